@@ -38,11 +38,12 @@ def compare_accuracy(study: CaseStudy, options: argparse.Namespace) -> int:
     if options.json:
         print_json({"folder": str(folder), **json.loads((folder / "accuracy.json").read_text(encoding="utf-8"))})
     else:
-        from contactlab.reports.accuracy_table import print_costs, print_winners
+        from contactlab.reports.accuracy_tables import NOTES, costs_sheet, winners_sheet
 
         out = console()
-        print_costs(found, evaluated.costs, out)
-        print_winners(found, evaluated.winners, out)
+        out.print(costs_sheet(found, evaluated.costs))
+        out.print(NOTES, highlight=False)
+        out.print(winners_sheet(evaluated.winners))
         out.say(f"page: {folder / 'accuracy.html'}")
     if found.interrupted:
         return interrupted(folder)

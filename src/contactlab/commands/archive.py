@@ -5,20 +5,21 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
-from contactlab.commands.common import add_row, console, table
+from contactlab.commands.common import console
 from contactlab.errors import RequestError
 from contactlab.jobs.archive import CHOICES, FILE, Archive, in_words
 from contactlab.jobs.rows import finite
 from contactlab.jobs.system import machine
-
-if TYPE_CHECKING:
-    from rich.table import Table
+from contactlab.reports.sheet import Sheet
 
 DAMAGED = 1
 """Exit status if a part of an archive is damaged."""
+ENDS = ("CPU s", "made", "machine")
+"""Last columns of both lists."""
 
 
 def archive(options: argparse.Namespace) -> int:
@@ -40,18 +41,18 @@ def _opened(words: list[str], most: int) -> list[Path]:
 
 def _list(words: list[str]) -> int:
     (path,) = _opened(words, 1)
-    shown = table(*CHOICES, "verdict", "CPU s", "made", "machine")
     with Archive(path, write=False) as kept:
         damage = _told(kept)
-        for cell in kept.cells():
-            where = "here" if cell["machine"] == machine() else cell["machine"]
-            add_row(shown, *(cell[n] for n in CHOICES), cell["verdict"], f"{cell['cpu_s']:.2f}", cell["made"], where)
+        cells = Sheet(
+            (*CHOICES, "verdict", *ENDS), ([*(c[n] for n in CHOICES), c["verdict"], *_ends(c)] for c in kept.cells())
+        )
+        heads = ("scene", "algorithm", "slave", "level", "name", "status")
+        rows = Sheet((*heads, *ENDS), ([*(str(row[name]) for name in heads), *_ends(row)] for row in kept.rows()))
         runs = sum(1 for _ in kept.runs())
-        rows = _rows(kept)
-    for found, what in ((shown, "cells"), (rows, "rows of comparisons")):
-        if found.row_count:
+    for found, what in ((cells, "cells"), (rows, "rows of comparisons")):
+        if found.rows:
             console().print(found)
-        console().print(f"{found.row_count} {what}", highlight=False)
+        console().print(f"{len(found.rows)} {what}", highlight=False)
     console().print(f"{runs} runs", highlight=False)
     return DAMAGED if damage else 0
 
@@ -63,14 +64,9 @@ def _told(kept: Archive) -> bool:
     return bool(kept.damage)
 
 
-def _rows(kept: Archive) -> Table:
-    shown = table("scene", "algorithm", "slave", "level", "name", "status", "CPU s", "made", "machine")
-    for row in kept.rows():
-        where = "here" if row["machine"] == machine() else row["machine"]
-        cpu = "" if row["cpu_s"] is None else f"{row['cpu_s']:.2f}"
-        ends = (row["name"], row["status"], cpu, row["made"], where)
-        add_row(shown, row["scene"], row["algorithm"], row["slave"], str(row["level"]), *ends)
-    return shown
+def _ends(entry: Mapping[str, Any]) -> tuple[str, str, str]:
+    cpu = "" if entry["cpu_s"] is None else f"{entry['cpu_s']:.2f}"
+    return cpu, entry["made"], "here" if entry["machine"] == machine() else entry["machine"]
 
 
 def _merge(words: list[str]) -> int:

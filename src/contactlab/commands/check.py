@@ -9,8 +9,9 @@ from contextlib import nullcontext
 from pathlib import Path
 
 from contactlab.api.formulas import formulas_of
-from contactlab.commands.common import add_row, console, parse_settings, table
+from contactlab.commands.common import console, parse_settings
 from contactlab.errors import RequestError, did_you_mean
+from contactlab.reports.sheet import Column, Sheet
 from contactlab.testing.card import as_data, write_cards
 from contactlab.testing.check_part import PartReport, check_names, check_part
 from contactlab.testing.find import subjects
@@ -82,11 +83,12 @@ def _checked_in_python(parts: Sequence[Subject], only: Sequence[str]) -> int:
         reports = _checked(parts, only or units, quiet=False)
     for part, report in zip(parts, reports, strict=True):
         show(report)
-        found = table("formula", "lines that ran", "lines that did not", title=f"{report.kind} {report.name}")
-        for formula in lines.of(part.part_class):
-            missed = ", ".join(map(str, formula.missed))
-            add_row(found, formula.name, formula.share, f"{formula.file}: {missed}" if missed else "")
-        console().print(found)
+        rows = (
+            [one.name, one.share, f"{one.file}: {', '.join(map(str, one.missed))}" if one.missed else ""]
+            for one in lines.of(part.part_class)
+        )
+        heads = [Column(name, keep=True) for name in ("formula", "lines that ran", "lines that did not")]
+        console().print(Sheet(heads, rows, f"{report.kind} {report.name}"))
     _print_end(reports, cases=True, card=None)
     return 0 if all(report.right for report in reports) else 1
 
@@ -94,17 +96,19 @@ def _checked_in_python(parts: Sequence[Subject], only: Sequence[str]) -> int:
 def show(report: PartReport) -> None:
     """Print one part: a row for each check, then what a call costs."""
     out = console()
-    shown = table("check", "outcome", "why", title=f"{report.kind} {report.name}, from {report.origin}")
-    shown.columns[1].no_wrap = True
-    for outcome in report.outcomes:
-        add_row(shown, outcome.check.replace("_", " "), LABELS.get(outcome.status, outcome.status), _why(outcome))
-    out.print(shown)
+    heads = Column("check", keep=True), Column("outcome", whole=True, keep=True), "why"
+    rows = (
+        [outcome.check.replace("_", " "), LABELS.get(outcome.status, outcome.status), _why(outcome)]
+        for outcome in report.outcomes
+    )
+    out.print(Sheet(heads, rows, f"{report.kind} {report.name}, from {report.origin}"))
     if report.costs:
         own = report.costs[0]
-        prices = table("part", "CPU time [us]", "times this one", title=f"{own.of}")
-        for cost in report.costs:
-            add_row(prices, cost.name, f"{cost.microseconds:.4g}", f"{cost.microseconds / own.microseconds:.2g}")
-        out.print(prices)
+        prices = (
+            [cost.name, f"{cost.microseconds:.4g}", f"{cost.microseconds / own.microseconds:.2g}"]
+            for cost in report.costs
+        )
+        out.print(Sheet(("part", "CPU time [us]", "times this one"), prices, own.of))
 
 
 def _why(outcome: Outcome) -> str:

@@ -6,18 +6,11 @@ import argparse
 import math
 import shlex
 
+from contactlab.accuracy.answer import Tried
 from contactlab.accuracy.choose import Chosen, Wish, choose_plan
-from contactlab.commands.common import (
-    add_row,
-    console,
-    fitting,
-    parse_settings,
-    print_json,
-    registry_with,
-    table,
-    written,
-)
+from contactlab.commands.common import console, parse_settings, print_json, registry_with, written
 from contactlab.commands.many import folder_of, interrupted, many
+from contactlab.reports.sheet import Column, Sheet
 from contactlab.scene.scene import load_scene
 
 CANNOT = 1
@@ -63,14 +56,16 @@ def show(found: Chosen, wish: Wish, line: str) -> None:
     known = f", uncertainty {100.0 * found.uncertainty:.2g} %" if math.isfinite(found.uncertainty) else ""
     say(f"{len(found.tried)} trials, {found.spent_s:.3g} CPU s; compared by {found.judged or 'nothing'} with "
         f"{found.reference or 'nothing'}{known}")  # fmt: skip
-    shown = table("configuration", "level", "error, %", "CPU s", "")
-    for tried in found.tried:
-        error = f"{100.0 * tried.error:.3g}" if math.isfinite(tried.error) else ""
-        end = "" if tried.status == "finished" else f"{tried.status}: {tried.reason[:60]}"
-        cost = f"{sorted(tried.cpu_s)[len(tried.cpu_s) // 2]:.3g}" if tried.cpu_s else ""
-        add_row(shown, tried.configuration, str(tried.level), error, cost, end)
     if found.tried:
-        out.print(fitting(shown, out.width, last=("configuration",)))
+        heads = Column("configuration", keep=True), "level", "error, %", "CPU s", ""
+        out.print(Sheet(heads, map(_tried, found.tried)))
+
+
+def _tried(tried: Tried) -> list[str]:
+    error = f"{100.0 * tried.error:.3g}" if math.isfinite(tried.error) else ""
+    cost = f"{sorted(tried.cpu_s)[len(tried.cpu_s) // 2]:.3g}" if tried.cpu_s else ""
+    end = "" if tried.status == "finished" else f"{tried.status}: {tried.reason[:60]}"
+    return [tried.configuration, str(tried.level), error, cost, end]
 
 
 def command(options: argparse.Namespace, found: Chosen) -> str:

@@ -10,10 +10,11 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from contactlab.commands.common import add_row, console, fitting, print_json, registry_with, table
+from contactlab.commands.common import console, print_json, registry_with
 from contactlab.errors import PartError, RequestError, one_line
 from contactlab.parts.provenance import LIBRARIES
 from contactlab.parts.registry import Registry
+from contactlab.reports.sheet import Sheet
 from contactlab.scene.fields import kind_at
 from contactlab.scene.scene import Scene
 from contactlab.studies.find_reference import find_reference, matching_reference
@@ -34,10 +35,8 @@ def cite(options: argparse.Namespace) -> int:
     say(f"{cited['program']}\nscene {cited['scene']['name']}: {cited['scene']['source'] or 'names no source'}")
     if reference := cited["reference"]:
         say(f"reference {reference['name']}: {reference['title']}")
-    shown = table("part", "package", "cite")
-    for part in cited["parts"]:
-        add_row(shown, part["name"], part["package"], part["cite"])
-    out.print(fitting(shown, out.width))
+    rows = ([part["name"], part["package"], part["cite"]] for part in cited["parts"])
+    out.print(Sheet(("part", "package", "cite"), rows))
     for text in cited["literature"].values():
         say(text)
     return 0

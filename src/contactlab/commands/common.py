@@ -1,4 +1,4 @@
-"""What several commands share: settings, registries and plain tables."""
+"""What several commands share: settings, registries, and standard output."""
 
 from __future__ import annotations
 
@@ -17,8 +17,6 @@ from contactlab.parts.registry import Registry, default_registry
 from contactlab.scene.toml_text import parse_value
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from contactlab.reports.terminal import Terminal
 
 
@@ -83,49 +81,6 @@ def print_how_to_look(folder: Path, registry: Registry, out: Terminal) -> None:
         line = f"no timeline was recorded, as no viewer is installed: pip install {' '.join(missing)}"
     if line:
         out.say(line)
-
-
-def table(*columns: str, title: str = "") -> Table:
-    """An empty table in the one look that all commands have."""
-    from rich import box
-    from rich.table import Table
-    from rich.text import Text
-
-    made = Table(
-        box=box.SIMPLE_HEAD,
-        title=Text(title) if title else None,
-        title_justify="left",
-        title_style="bold",
-        pad_edge=False,
-    )
-    for column in columns:
-        made.add_column(Text(column), overflow="fold")  # units stand in brackets
-    return made
-
-
-def add_row(shown: Table, *cells: str) -> None:
-    """A row of plain text, in which brackets are brackets."""
-    from rich.text import Text
-
-    shown.add_row(*(Text(cell) for cell in cells))
-
-
-def fitting(shown: Table, width: int, last: Sequence[str] = ()) -> Table:
-    """The table without columns that are empty and, where it is too wide, without those that say the same in each row.
-
-    Columns named in `last` stay whatever they hold. What is still too wide has its texts folded.
-    """
-
-    from contactlab.reports.terminal import Terminal
-
-    def texts(column: Any) -> set[str]:
-        return {str(cell) for cell in column.cells}
-
-    columns = [c for c in shown.columns if str(c.header) in last or texts(c) != {""}]
-    if Terminal(width=1000).measure(shown).maximum > width and shown.row_count > 1:
-        columns = [c for n, c in enumerate(columns) if n == 0 or str(c.header) in last or len(texts(c)) > 1]
-    shown.columns = columns
-    return shown
 
 
 def print_json(data: Any) -> None:

@@ -79,16 +79,15 @@ def _compare_scene(options: argparse.Namespace) -> int:
 
 
 def _print(result: Table, folder: Path, registry: Registry, options: argparse.Namespace) -> None:
-    from contactlab.reports.breakdown_table import print_breakdown
-    from contactlab.reports.table import print_table
-    from contactlab.reports.times_table import every_number, where_the_time_went
+    from contactlab.reports.breakdown_table import render_breakdown
+    from contactlab.reports.table import every_number, render, times_sheet
 
     shown = console()
-    (print_table if result.breakdown is None else print_breakdown)(result, shown)
+    shown.print(render(result) if result.breakdown is None else render_breakdown(result.breakdown, result.study.name))
     if options.verbose:
         shown.print(every_number(result, shown.width))
     if options.profile:
-        shown.print(where_the_time_went(result))
+        shown.print(times_sheet(result))
     shown.say(f"report: {folder / 'report.html'}")
     print_how_to_look(folder, registry, shown)
 

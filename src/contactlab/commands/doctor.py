@@ -13,10 +13,11 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, NamedTuple
 
-from contactlab.commands.common import add_row, console, number, print_json, table
+from contactlab.commands.common import console, number, print_json
 from contactlab.errors import ContactlabError, one_line
 from contactlab.parts.machine import blas_kernels, processor, usable_cores
 from contactlab.parts.registry import Registry, default_registry
+from contactlab.reports.sheet import Column, Sheet
 from contactlab.scene.scene import load_scene
 
 if TYPE_CHECKING:
@@ -67,12 +68,8 @@ def doctor(options: argparse.Namespace) -> int:
     if options.json:
         print_json({"format": 1, "healthy": healthy, "facts": [fact._asdict() for fact in facts]})
         return 0 if healthy else 1
-    shown = table("fact", "value")
-    shown.columns[0].no_wrap = True
-    for fact in facts:
-        add_row(shown, fact.fact, fact.value)
     out = console()
-    out.print(shown)
+    out.print(Sheet((Column("fact", whole=True), "value"), ([fact.fact, fact.value] for fact in facts)))
     for fact in (fact for fact in facts if fact.todo):
         out.say(f"{fact.fact}: {fact.todo}")
     return 0 if healthy else 1

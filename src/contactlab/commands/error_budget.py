@@ -10,19 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from contactlab.accuracy.error_budget import UNRESOLVED, ErrorBudget, Share, budget_plan
-from contactlab.commands.common import (
-    add_row,
-    console,
-    fitting,
-    parse_settings,
-    print_json,
-    registry_with,
-    table,
-    written,
-)
+from contactlab.commands.common import console, parse_settings, print_json, registry_with, written
 from contactlab.commands.many import folder_of, interrupted, many
 from contactlab.jobs.rows import finite
 from contactlab.reports.numbers import percent, significant
+from contactlab.reports.sheet import Column, Sheet
 from contactlab.scene.scene import load_scene
 
 FILE = "error-budget.json"
@@ -54,15 +46,8 @@ def show(found: ErrorBudget, folder: Path) -> None:
     if not found.shares:
         say(f"the run as it is ended {found.status}: {found.reason}")
         return
-    shown = table("made finer", "pressure, %", "force, %", "CPU s", "more, s", "how", "")
-    for share in found.shares:
-        settings = ", ".join(f"{key}={written(value, digits=6)}" for key, value in _changed(share))
-        end = "" if share.status == "finished" else f"{share.status}: {share.reason[:60]}"
-        end = "no cure: no nearer to the finer mesh" if share.away else end
-        end = end if share.resolved else f"not resolved: changes by more than {percent(UNRESOLVED)} % tell no part"
-        add_row(shown, share.knob.name, _part(share.pressure), _part(share.force), significant(share.cost, 2),
-                significant(share.extra, 2), settings, end)  # fmt: skip
-    out.print(fitting(shown, out.width, last=("made finer", "pressure, %")))
+    heads = [Column(name, keep=True) for name in ("made finer", "pressure, %")]
+    out.print(Sheet([*heads, "force, %", "CPU s", "more, s", "how", ""], map(_row, found.shares)))
     say(
         f"parts of the error of the run as it is ({significant(found.cost, 2)} CPU s), from what finer choices change; "
         "mesh and elements: the same error twice; slaves: the difference, of which nobody knows which side is right"
@@ -74,6 +59,15 @@ def show(found: ErrorBudget, folder: Path) -> None:
         part = f"{percent(best.part)} % of the {what}" if best.resolved else "not resolved as it is"
         say(f"next: {best.knob.name}, {part}, for {more}")
     say(str(folder))
+
+
+def _row(share: Share) -> list[str]:
+    settings = ", ".join(f"{key}={written(value, digits=6)}" for key, value in _changed(share))
+    end = "" if share.status == "finished" else f"{share.status}: {share.reason[:60]}"
+    end = "no cure: no nearer to the finer mesh" if share.away else end
+    end = end if share.resolved else f"not resolved: changes by more than {percent(UNRESOLVED)} % tell no part"
+    costs = significant(share.cost, 2), significant(share.extra, 2)
+    return [share.knob.name, _part(share.pressure), _part(share.force), *costs, settings, end]
 
 
 def _part(value: float) -> str:

@@ -10,7 +10,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from contactlab.commands.common import add_row, console, number, parse_settings, print_json, registry_with, table
+from contactlab.commands.common import console, number, parse_settings, print_json, registry_with
+from contactlab.reports.sheet import Column, Sheet, facts
 from contactlab.scene.scene import load_scene
 
 if TYPE_CHECKING:
@@ -90,28 +91,17 @@ def seconds(value: float) -> str:
     return f"{value:.2g}" if abs(value) < 100.0 else f"{value:.0f}"
 
 
-def overview(explanation: Explanation, spare: Sequence[str], command: str, price: Mapping[str, str]) -> Any:
+def overview(explanation: Explanation, spare: Sequence[str], command: str, price: Mapping[str, str]) -> Sheet:
     """Table of effects, what can be left out, cost and packages, on one screen.
 
     command  scene and settings as typed
     price    lines on what it will cost, by their labels
     """
-    from rich import box
-    from rich.table import Table
-
-    shown = Table(
-        box=box.SIMPLE_HEAD, show_header=False, pad_edge=False, title=explanation.scene.name, title_justify="left",
-        title_style="bold",
-    )  # fmt: skip
-    shown.add_column(style="bold", no_wrap=True)
-    shown.add_column(overflow="fold")
+    lines: list[tuple[str, str]] = []
     for label, text in _lines(explanation, spare):
-        add_row(shown, label, text)
-        if label == "memory":
-            for name, told in price.items():
-                add_row(shown, name, told)
-    add_row(shown, "more", f"contactlab explain {command} --all; compare {command} --effects")
-    return shown
+        lines += [(label, text), *(price.items() if label == "memory" else ())]
+    more = f"contactlab explain {command} --all; compare {command} --effects"
+    return facts(explanation.scene.name, [*lines, ("more", more)])
 
 
 def _stable(s: Overview) -> str:
@@ -197,19 +187,15 @@ def plain(explanation: Explanation) -> dict[str, Any]:
     return sections | {"scene": dataclasses.asdict(explanation.scene), "price": price}
 
 
-def section(title: str, content: Any) -> Any:
+def section(title: str, content: Any) -> Sheet:
     """A table of rows (records or plain values), or of names and values."""
     if isinstance(content, Mapping):
-        shown = table("quantity", "value", title=title)
-        for name, value in content.items():
-            add_row(shown, str(name).replace("_", " "), _cell(value))
-        return shown
+        named = ([str(name).replace("_", " "), _cell(value)] for name, value in content.items())
+        return Sheet(("quantity", "value"), named, title)
     rows = [_record(row) for row in content] if isinstance(content, Sequence | set | frozenset) else [_record(content)]
     names = rows[0] if rows else ["name"]
-    shown = table(*(name.replace("_", " ") for name in names), title=title)
-    for row in rows or [{"name": "none"}]:
-        add_row(shown, *(_cell(value) for value in row.values()))
-    return shown
+    heads = [Column(name.replace("_", " "), keep=True) for name in names]
+    return Sheet(heads, (map(_cell, row.values()) for row in rows or [{"name": "none"}]), title)
 
 
 def _record(row: Any) -> dict[str, Any]:

@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from math import isfinite, nan
 from pathlib import Path
 
 from contactlab.cases.verdict import WORST
-from contactlab.commands.common import add_row, console, fitting, print_json, registry_with, table
+from contactlab.commands.common import console, print_json, registry_with
 from contactlab.commands.many import folder_of, interrupted, many
-from contactlab.verdicts.cell import CellResult
+from contactlab.reports.matrix_table import SHORT, matrix_sheet
+from contactlab.reports.sheet import Column, Sheet
 from contactlab.verdicts.files import MEANINGS, against, plain_cells, verdicts, write_folder
 from contactlab.verdicts.margins import Margin, margins_asked, run_margins
 from contactlab.verdicts.orders import orders
 from contactlab.verdicts.plan import Request, plan
 from contactlab.verdicts.run import Matrix, run_matrix
-
-SHORT = {"not-applicable": "-", "not-judged": "not judged", "ill-posed": "ill-posed"}
 
 
 def matrix(options: argparse.Namespace) -> int:
@@ -53,16 +51,15 @@ def show_margins(margins: Sequence[Margin], folder: Path, options: argparse.Name
     if options.json:
         print_json({"format": 1, "folder": str(folder), "margins": list(margins)})
         return 0
-    shown = table("case", "field", "contact", "from", "met up to", "not met at", "there")
-    for m in margins:
-        end = f"{m.met:.4g}" + (" (the limit)" if m.missed != m.missed else "")
-        missed = "" if m.missed != m.missed else f"{m.missed:.4g}"
-        add_row(
-            shown, m.case, m.field, m.contact, f"{m.start:.4g}", end, missed, f"{m.verdict} {m.reason[:90]}".strip()
-        )
-    out = console()
-    out.print(fitting(shown, out.width, last=("case",)))
+    heads = Column("case", keep=True), "field", "contact", "from", "met up to", "not met at", "there"
+    console().print(Sheet(heads, map(_margin, margins)))
     return 0
+
+
+def _margin(m: Margin) -> list[str]:
+    end = f"{m.met:.4g}" + (" (the limit)" if m.missed != m.missed else "")
+    missed = "" if m.missed != m.missed else f"{m.missed:.4g}"
+    return [m.case, m.field, m.contact, f"{m.start:.4g}", end, missed, f"{m.verdict} {m.reason[:90]}".strip()]
 
 
 def show(found: Matrix) -> None:
@@ -72,18 +69,7 @@ def show(found: Matrix) -> None:
         f"{found.count(verdict)} {verdict}" for verdict in WORST if found.count(verdict) or verdict == "silent"
     )
     out.say(f"{counts} of {len(found.cells)} cells")
-    contacts = list(dict.fromkeys(cell.choices["contact"] for cell, _ in found.cells))
-    lines: dict[tuple[str, ...], dict[str, CellResult]] = {}
-    for cell, result in found.worst_first:
-        c = cell.choices
-        lines.setdefault(tuple(c[n] for n in ("case", "variant", "slave", "element", "integrator")), {})[
-            c["contact"]
-        ] = result
-    shown = table("case", "variant", "slave", "element", "integrator", *contacts)
-    for head, cells in lines.items():
-        words = [_word(cells[name]) if name in cells else "" for name in contacts]
-        add_row(shown, *head, *words)
-    out.print(fitting(shown, out.width, last=("case", *contacts)))
+    out.print(matrix_sheet(found))
     there = [verdict for verdict in WORST if found.count(verdict)]
     legend = "; ".join(f"{SHORT.get(verdict, verdict)}: {MEANINGS[verdict]}" for verdict in there)
     out.print(f"{legend}; numbers: the first measure with this verdict", markup=False, highlight=False)
@@ -93,27 +79,19 @@ def show(found: Matrix) -> None:
             out.say(line)
 
 
-def _word(result: CellResult) -> str:
-    """The verdict and the value of the first measure that has it, errors before others."""
-    same = [m for m in result.measures if m["verdict"] == result.verdict and isfinite(m["value"] or nan)]
-    first = min(same, key=lambda m: m["role"] != "error", default=None)
-    word = SHORT.get(result.verdict, result.verdict)
-    return word if first is None else f"{word} {first['value']:.2g} {first['unit']}".strip()
-
-
 def show_orders(found: Matrix) -> None:
     """Orders of convergence, where there are several levels."""
     lines = orders(found)
     if not lines:
         return
-    shown = table("case", "variant", "contact", "slave", "measure", "levels", "order", "theory")
+    names = ("case", "variant", "contact", "slave", "measure", "levels")
+    rows = []
     for line in lines:
         half = "" if line["interval"] is None else f" ± {line['interval']:.2f}"
         theory = "" if line["theory"] is None else f"{line['theory']:g}"
-        names = [line[name] for name in ("case", "variant", "contact", "slave", "measure", "levels")]
-        add_row(shown, *names, f"{line['order']:.2f}{half}", theory)
-    out = console()
-    out.print(fitting(shown, out.width, last=("case", "order")))
+        rows.append([*(line[name] for name in names), f"{line['order']:.2f}{half}", theory])
+    heads = [Column(name, keep=name in ("case", "order")) for name in (*names, "order", "theory")]
+    console().print(Sheet(heads, rows))
 
 
 def _show_changes(found: Matrix, before: dict[tuple[str, ...], str]) -> int:

@@ -8,11 +8,12 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from contactlab.commands.common import ROOM_TO_SPARE, add_row, fitting, table
+from contactlab.commands.common import ROOM_TO_SPARE
 from contactlab.commands.parts import part_json
 from contactlab.errors import SceneError, show
 from contactlab.parts.description import described_fields, prose
 from contactlab.parts.registry import Offer, Registry
+from contactlab.reports.sheet import Column, Sheet
 from contactlab.scene.fields import kind_at
 from contactlab.scene.scene import Scene, bundled_scenes
 from contactlab.scene.toml_text import read_toml
@@ -108,11 +109,11 @@ def print_page(page: Mapping[str, Any], out: Console) -> None:
         out.print(Text(f"\n{page['says']}"))
     if page["fields"]:
         names = ["name", "default", "unit", "meaning", "accepts"][: 5 if out.width >= ROOM_TO_SPARE else 4]
-        shown = table(*("field" if name == "name" else name for name in names))
-        shown.columns[0].no_wrap = True
-        for field in page["fields"]:
-            add_row(shown, *(field[name] for name in names))
-        out.print(fitting(shown, out.width, last=("meaning", "default")))
+        heads = [
+            Column("field", whole=True),
+            *(Column(name, keep=name in ("meaning", "default")) for name in names[1:]),
+        ]
+        out.print(Sheet(heads, ([field[name] for name in names] for field in page["fields"])))
     else:
         out.print("\nIt has no fields.")
     if page["example"]:

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from contactlab.commands.common import ROOM_TO_SPARE, add_row, console, fitting, print_json, registry_with, table
+from contactlab.commands.common import ROOM_TO_SPARE, console, print_json, registry_with
 from contactlab.errors import PartError, did_you_mean
 from contactlab.parts.loading import Broken
 from contactlab.parts.registry import Offer, Registry
+from contactlab.reports.sheet import Column, Sheet
 from contactlab.scene.auto import AUTO, usual_order
-
-if TYPE_CHECKING:
-    from rich.table import Table
 
 
 def parts(options: argparse.Namespace) -> int:
@@ -86,35 +84,32 @@ def _print_parts(usable: list[Offer], broken: list[Broken], burdens: list[Broken
     out = console()
     out.print(_parts_table(usable, out.width))
     if commands:
-        more = table("command", "from", title="further commands")
-        for name, (_, origin) in commands.items():
-            add_row(more, name, str(origin))
-        out.print(more)
+        more = ([name, str(origin)] for name, (_, origin) in commands.items())
+        out.print(Sheet(("command", "from"), more, "further commands"))
     if broken:
-        wrong = table("plugin", "from", "what", "why it is left out", title="broken")
-        for item in broken:
-            add_row(wrong, item.origin.plugin, str(item.origin), item.item, item.reason)
-        out.print(fitting(wrong, out.width, last=("why it is left out",)))
+        wrong = ([item.origin.plugin, str(item.origin), item.item, item.reason] for item in broken)
+        heads = "plugin", "from", "what", Column("why it is left out", keep=True)
+        out.print(Sheet(heads, wrong, "broken"))
     for item in burdens:
         out.print(f"{item.origin}: {item.reason}", markup=False, highlight=False)
     out.print("Fields, units, defaults and an example of one of them: contactlab parts NAME", highlight=False)
 
 
-def _parts_table(usable: list[Offer], width: int) -> Table:
+def _parts_table(usable: list[Offer], width: int) -> Sheet:
     """Each kind is named once; a narrow table names each package in a line above its parts."""
     roomy = width >= ROOM_TO_SPARE
-    shown = table("kind", "name", *(("from",) if roomy else ()), "what it is", *(("published in",) if roomy else ()))
-    for column in shown.columns[: 3 if roomy else 2]:
-        column.no_wrap = True
+    names = ("kind", "name", "from", "what it is", "published in") if roomy else ("kind", "name", "what it is")
+    heads = [Column(name, whole=name in ("kind", "name", "from"), keep=True) for name in names]
+    rows: list[list[str]] = []
     kind = package = ""
     for offer in usable:
         part, origin = offer.part, str(offer.origin)
         new = part.kind if part.kind != kind else ""
         if roomy:
-            add_row(shown, new, part.name, origin, part.summary, part.reference)
+            rows.append([new, part.name, origin, part.summary, part.reference])
         else:
             if new or origin != package:
-                add_row(shown, new, "", f"from {origin}:")
-            add_row(shown, "", part.name, part.summary)
+                rows.append([new, "", f"from {origin}:"])
+            rows.append(["", part.name, part.summary])
         kind, package = part.kind, origin
-    return shown
+    return Sheet(heads, rows)

@@ -11,8 +11,9 @@ from shutil import rmtree
 from time import localtime, strftime
 from typing import Any
 
-from contactlab.commands.common import add_row, console, fitting, print_json, table
+from contactlab.commands.common import console, print_json
 from contactlab.errors import RequestError, did_you_mean, show, visible
+from contactlab.reports.sheet import Column, Sheet
 from contactlab.results.inventory import Folder, folders_in
 from contactlab.run.folders import RUNS
 
@@ -36,15 +37,14 @@ def runs(options: argparse.Namespace) -> int:
     if not found:
         out.print(f"no results in {', '.join(map(str, places))}", markup=False, highlight=False)
         return 0
-    shown = table("folder", "date", "scene", "changed", "status", "size")
-    shown.columns[-1].justify = "right"
-    for column in (0, 1, 5):
-        shown.columns[column].no_wrap = True
+    rows = []
     for folder in found:
-        name = folder.path.name if len(places) == 1 else str(folder.path)
-        scene = "" if name.startswith(folder.scene) else folder.scene
-        add_row(shown, name, _date(folder), scene, changed_text(folder.changes), folder.status, _size(folder.bytes))
-    out.print(fitting(shown, out.width))
+        path = folder.path.name if len(places) == 1 else str(folder.path)
+        scene = "" if path.startswith(folder.scene) else folder.scene
+        changed = changed_text(folder.changes)
+        rows.append([path, _date(folder), scene, changed, folder.status, _size(folder.bytes)])
+    name, date, size = (Column(text, whole=True, number=text == "size") for text in ("folder", "date", "size"))
+    out.print(Sheet((name, date, "scene", "changed", "status", size), rows))
     total = _size(sum(folder.bytes for folder in found))
     out.print(f"{len(found)} folders, {total}; remove some: contactlab runs --remove NAME ...", highlight=False)
     return 0

@@ -10,9 +10,10 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from contactlab.commands.common import ROOM_TO_SPARE, add_row, console, print_json, registry_with, table
+from contactlab.commands.common import ROOM_TO_SPARE, console, print_json, registry_with
 from contactlab.errors import RequestError, SceneError, did_you_mean
 from contactlab.outside_files import text_outside, usable
+from contactlab.reports.sheet import Column, Sheet
 from contactlab.scene.scene import bundled_scenes, find_scene, load_scene
 from contactlab.scene.toml_text import read_toml
 
@@ -67,14 +68,14 @@ def _scene_row(path: Path) -> dict[str, Any]:
 def _print_scenes(rows: list[dict[str, Any]]) -> None:
     out = console()
     roomy = out.width >= ROOM_TO_SPARE
-    shown = table("scene", *(("bodies", "contacts") if roomy else ()), "source")
-    for column in shown.columns[:-1]:
-        column.no_wrap = True  # names stay whole, the source wraps
+    names = ("scene", "bodies", "contacts") if roomy else ("scene",)
+    lines = []
     for row in rows:
         source = f"broken: {row['broken']}" if "broken" in row else row["source"]
-        pairs = (_some(row["bodies"]), _some(row["contacts"])) if roomy else ()
-        add_row(shown, row["name"], *pairs, source)
-    out.print(shown)
+        pairs = [_some(row["bodies"]), _some(row["contacts"])] if roomy else []
+        lines.append([row["name"], *pairs, source])
+    # names stay whole, the source wraps
+    out.print(Sheet([*(Column(name, whole=True, keep=True) for name in names), Column("source", keep=True)], lines))
     for line in ("print one:       contactlab scenes NAME", "begin your own:  contactlab new-scene MINE --from NAME"):
         out.print(line, highlight=False)
 

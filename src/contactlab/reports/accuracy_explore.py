@@ -16,13 +16,14 @@ from bokeh.models import (
     HoverTool,
     TapTool,
 )  # fmt: skip
+from bokeh.plotting import figure
 from bokeh.resources import Resources
 
 from contactlab.accuracy.lines import CLEAR, Line, front
 from contactlab.accuracy.point import Point
 from contactlab.accuracy.run import Accuracy
 from contactlab.reports.accuracy_plots import STOPPED, Look, looks, parts_of
-from contactlab.reports.templates import GREY, filled, page_figure
+from contactlab.reports.html import filled
 
 Place = tuple[str, str, str, int]
 """Case, contender, slave, level of a point."""
@@ -38,6 +39,7 @@ _TAP = (
     "const i = source.selected.indices[0]; source.selected.indices = [];"
     "if (i !== undefined && source.data.page[i]) window.open(source.data.page[i], '_blank')"
 )
+GREY = "#7d8590"  # read on white and on black
 _TICK = "return tick >= 0.001 ? String(Number(tick.toPrecision(3))) : tick.toExponential(0)"
 
 
@@ -59,6 +61,16 @@ def explore_section(found: Accuracy, lines: Sequence[Line], pages: Mapping[Place
 def library() -> str:
     """The plot library as scripts that need no other file (1.3 MB)."""
     return str(Resources(mode="inline", components=["bokeh"]).render())
+
+
+def page_figure(**settings: Any) -> Any:
+    """A figure as wide as the page, without a ground of its own; `settings` are those of Bokeh's figure."""
+    plot = figure(sizing_mode="stretch_width", background_fill_alpha=0.0, border_fill_alpha=0.0, **settings)
+    for axis in (plot.xaxis[0], plot.yaxis[0]):
+        axis.update(axis_label_text_color=GREY, major_label_text_color=GREY, axis_line_color=GREY)
+    plot.title.text_color = GREY
+    plot.grid.grid_line_alpha = 0.25
+    return plot
 
 
 def _plot(found: Accuracy, lines: Sequence[Line], pages: Mapping[Place, str], case: str) -> Any:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from html import escape
@@ -11,19 +10,26 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from contactlab.accuracy.evaluation import Evaluation
-from contactlab.accuracy.files import COUNTS, point_row
-from contactlab.accuracy.lines import Line
 from contactlab.accuracy.orders import Order
-from contactlab.accuracy.point import Point
 from contactlab.accuracy.run import WAITING, Accuracy
+from contactlab.accuracy.targets import Cost, best_of
 from contactlab.jobs.system import commit, system_facts
-from contactlab.reports.accuracy_costs import costs_section, winners_section
 from contactlab.reports.accuracy_explore import Place, explore_section
 from contactlab.reports.accuracy_plots import cost_figure, solved_figure
 from contactlab.reports.accuracy_runs import write_run_pages
+from contactlab.reports.accuracy_tables import (
+    beside_sheet,
+    limits_sheet,
+    orders_sheet,
+    points_sheet,
+    references_sheet,
+    target_sheet,
+    winners_by_case,
+)
 from contactlab.reports.figures import laid_out, save
-from contactlab.reports.html import ASSETS, document, facts_list, figure_section, plain_table, section
-from contactlab.reports.numbers import percent, significant
+from contactlab.reports.html import ASSETS, document, facts_list, figure_section, section
+from contactlab.reports.numbers import percent
+from contactlab.reports.sheet import Sheet
 
 _FRONT = (
     "Lower left is better. Each line is a contender with the better of its slaves, and the other one if it has a point "
@@ -61,16 +67,16 @@ def page(evaluated: Evaluation, figures: dict[str, Figure], pages: Mapping[Place
     sections = [
         f"<style>\n{style}</style>",
         _head(found),
-        winners_section(found, evaluated.winners),
+        section("Who wins", _WINNERS + winners_by_case(found, evaluated.winners).html("costs winners")),
         figure_section(figures, "error-against-cost", "Error against cost, all cases", _FRONT),
-        costs_section(found, evaluated.costs),
+        _costs(found, evaluated.costs),
         explore_section(found, evaluated.lines, pages),
         figure_section(figures, "solved", "How much is answered in a given time", _SOLVED, narrow=True),
-        limits_section(found, evaluated.lines),
+        _told("How near to the limit", _LIMITS, limits_sheet(found, evaluated.lines)),
         _orders(evaluated.orders),
-        _beside(found, evaluated.lines),
-        points_section(found, pages),
-        _references(found),
+        _told("Costs beside", "", beside_sheet(found, evaluated.lines)),
+        _points(found, pages),
+        _told("The cases and their references", "", references_sheet(found.asked)),
         section("Machine and versions", facts_list(dict(system_facts()))),
         f"<script>\n{script}</script>",
     ]
@@ -102,131 +108,70 @@ def _head(found: Accuracy) -> str:
     )
 
 
-def _orders(orders: Sequence[Order]) -> str:
-    if not orders:
-        return ""
-    text = (
-        "<p>q of error ~ C h<sup>q</sup> by least squares over points above what the reference can tell, with its 95 % "
-        "interval; theory as the case gives it.</p>"
-    )
-    heads = ("case", "contender", "slave", "order", "± 95 %", "levels", "theory")
-    rows = (
-        (o.case, o.contender, o.slave, f"{o.order:.2f}", "" if math.isnan(o.half) else f"{o.half:.2f}",
-         " ".join(map(str, o.levels)), "" if math.isnan(o.theory) else f"{o.theory:g}")
-        for o in orders
-    )  # fmt: skip
-    table = plain_table(heads, rows, texts=3)
-    return section("Orders of convergence", f"{text}<details><summary>{len(orders)} lines</summary>{table}</details>")
-
-
-def _beside(found: Accuracy, lines: Sequence[Line]) -> str:
-    """Memory and first compilation: costs that CPU seconds of runs do not show."""
-    rows = []
-    for name in found.contenders:
-        points = [p for line in lines if line.contender == name for p in line.finished]
-        if points:
-            memory = max((p.memory_mib for p in points if p.memory_mib > 0.0), default=math.nan)
-            compiled = max((p.compile_s for p in points if p.compile_s >= 0.0), default=math.nan)
-            kernels = [p.cost / p.calibration for p in points if p.calibration > 0.0]
-            most = max(kernels, default=math.nan)
-            rows.append((name, significant(memory, 3), significant(compiled, 2), significant(most, 2)))
-    if not rows:
-        return ""
-    heads = ("contender", "largest memory, MiB", "longest compiling or loading, s", "dearest run, calibration kernels")
-    return section("Costs beside", plain_table(heads, rows, texts=1))
-
-
-def _references(found: Accuracy) -> str:
-    heads = ("case", "question", "error that counts", "reference", "known to, %", "why")
-    rows = (
-        (a.label, a.title, a.measure, a.reference, percent(a.uncertainty) if a.uncertainty else "exact", a.why)
-        for a in found.asked
-    )
-    return section("The cases and their references", plain_table(heads, rows, texts=4))
-
-
-_TEXT = (
+_ORDERS = (
+    "<p>q of error ~ C h<sup>q</sup> by least squares over points above what the reference can tell, with its 95 % "
+    "interval; theory as the case gives it.</p>"
+)
+_LIMITS = (
     "<p>Efficiency: the error (in L2) of the best approximation of the exact pressure on the same slave nodes over "
     "the error of the run, at its finest level; with the better slave. At 1 no algorithm could do better on this mesh, "
     "at 0.5 one with half of the error is possible. Pressures are compared as continuous piecewise linear functions, "
     "those of constant multipliers and of nodal forces, too. In brackets the level.</p>"
 )
+_COSTS = (
+    "<p>CPU seconds of the cheapest run of each contender that keeps the target, with the better of its slaves. "
+    "\N{BLACK STAR} is the cheapest, \N{ALMOST EQUAL TO} are those that cannot be told "
+    "from it: their intervals overlap. \N{LESS-THAN OR EQUAL TO}: the coarsest mesh is already that good. "
+    "\N{HORIZONTAL ELLIPSIS}: below three times what the reference is known to. \N{MIDDLE DOT}: the case is not made "
+    "for it. Hover for intervals and reasons.</p>"
+)
+_WINNERS = (
+    "<p>The method that keeps an error at the least cost: the median CPU time of the steps of a mesh that was run. "
+    "Methods tie where intervals of repeated runs, and of what the reference is known to, overlap. "
+    "\N{LESS-THAN OR EQUAL TO}: the coarsest mesh is already that good. Empty: not asked.</p>"
+)
+_USUAL = 0.01
 
 
-def finest_efficiencies(lines: Sequence[Line]) -> dict[tuple[str, str], Point]:
-    """Of each case and contender the finest point that has an efficiency, of the slave that has the better one."""
-    found: dict[tuple[str, str], Point] = {}
-    for line in lines:
-        point = next((p for p in reversed(line.finished) if not math.isnan(p.efficiency)), None)
-        place = line.case, line.contender
-        if point is not None and (place not in found or _rank(point) > _rank(found[place])):
-            found[place] = point
-    return found
-
-
-def _rank(point: Point) -> tuple[int, float]:
-    return point.level, point.efficiency
-
-
-def efficiency_rows(found: Accuracy, points: Mapping[tuple[str, str], Point]) -> list[list[str]]:
-    """A row per contender that has one, a column per case; the cases first."""
-    cases = [asked.label for asked in found.asked if any(case == asked.label for case, _ in points)]
-    rows = [["contender", *cases]]
-    for name in found.contenders:
-        cells = [points.get((case, name)) for case in cases]
-        if any(cells):
-            rows.append([name, *(f"{p.efficiency:.2f} ({p.level})" if p else "" for p in cells)])
-    return rows
-
-
-def limits_section(found: Accuracy, lines: Sequence[Line]) -> str:
-    """The table; empty where no case has an exact pressure."""
-    points = finest_efficiencies(lines)
-    if not points:
-        return ""
-    heads, *rows = efficiency_rows(found, points)
-    return section("How near to the limit", _TEXT + plain_table(heads, rows, texts=1))
-
-
-_HEADS = ("case", "contender", "slave", "level", "status", "error, %", "efficiency", "CPU s", "kernels", *COUNTS, "MiB")
-_WORDS = ("case", "contender", "slave")
-_NUMBERS = ("efficiency", "cpu_s", "kernels", *COUNTS, "memory_mib")
-
-
-def points_section(found: Accuracy, pages: Mapping[Place, str]) -> str:
-    """Every point, failures and what was not run included."""
-    heads = "".join(
-        f'<th scope="col"{" class=text" if n in (0, 1, 2, 4) else ""}>'
-        f'<button type="button">{escape(head)}</button></th>'
-        for n, head in enumerate(_HEADS)
-    )
-    rows = "\n".join(
-        _row(point_row(p, found.side_by_side), pages.get((p.case, p.contender, p.slave, p.level), ""))
-        for p in found.points
-    )
-    return section(
-        "All points",
-        f"<details><summary>{len(found.points)} points</summary>"
-        '<input class="filter" data-table="points" type="search" placeholder="words that a row must have" '
-        'aria-label="filter the points">'
-        '<div class="scroll"><table class="sortable points all" id="points">'
-        f"<thead><tr>{heads}</tr></thead>{rows}</table></div></details>",
+def _filter(table: str, what: str) -> str:
+    """A field that leaves rows with certain words in the element `table`."""
+    return (
+        f'<input class="filter" data-table="{table}" type="search" placeholder="words that a {what} must have" '
+        f'aria-label="filter the {what}s">'
     )
 
 
-def _row(row: dict[str, object], page: str) -> str:
-    words = "".join(f'<td class="text">{escape(str(row[name]))}</td>' for name in _WORDS)
-    link = f'<a href="{escape(page)}">{row["level"]}</a>' if page else row["level"]
-    level, status, reason = row["level"], str(row["status"]), str(row["reason"])
-    state = f'<td class="text"><span class="status {status}" title="{escape(reason)}">{status}</span></td>'
-    numbers = "".join(_number(_float(row[name]), significant(_float(row[name]), 3)) for name in _NUMBERS)
-    error = _number(_float(row["error"]), percent(_float(row["error"]), 3))
-    return f'<tbody class="run"><tr>{words}<td data-value="{level}">{link}</td>{state}{error}{numbers}</tr></tbody>'
+def _told(title: str, text: str, sheet: Sheet) -> str:
+    """A section with a table; empty if that has no row."""
+    return section(title, text + sheet.html() if sheet.rows else "")
 
 
-def _number(value: float, text: str) -> str:
-    return f'<td data-value="{"" if math.isnan(value) else repr(value)}">{text}</td>'
+def _costs(found: Accuracy, costs: Sequence[Cost]) -> str:
+    """A table per target, one of them shown, all of them printed."""
+    targets, best = found.targets, best_of(costs)
+    first = _USUAL if _USUAL in targets else targets[0]
+    tabs, tables, rules = [], [], []
+    for number, target in enumerate(targets):
+        checked, label = " checked" if target == first else "", f"{percent(target, 1)} %"
+        tabs.append(
+            f'<input type="radio" name="target" id="target-{number}"{checked}>'
+            f'<label class="tab" for="target-{number}">{label}</label>'
+        )
+        table = target_sheet(found, best, target).html("costs", caption=f"CPU seconds to {label}")
+        tables.append(f'<div class="target t{number}">{table}</div>')
+        rules.append(f"#target-{number}:checked ~ .t{number} {{ display: block; }}")
+    style = f"<style>{' '.join(rules)}</style>"
+    parts = "".join((*tabs, *tables))
+    filtered = f'{_filter("targets", "contender")}<div class="targets" id="targets">{parts}</div>'
+    return section("CPU seconds to an accuracy", f"{_COSTS}{style}{filtered}")
 
 
-def _float(value: object) -> float:
-    return float(value) if isinstance(value, int | float) else math.nan
+def _orders(orders: Sequence[Order]) -> str:
+    table = f"<details><summary>{len(orders)} lines</summary>{orders_sheet(orders).html()}</details>"
+    return section("Orders of convergence", _ORDERS + table if orders else "")
+
+
+def _points(found: Accuracy, pages: Mapping[Place, str]) -> str:
+    table = points_sheet(found, pages).html("points all", "points", sortable=True)
+    summary = f"<summary>{len(found.points)} points</summary>"
+    return section("All points", f"<details>{summary}{_filter('points', 'row')}{table}</details>")

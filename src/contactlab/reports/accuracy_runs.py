@@ -18,10 +18,9 @@ from contactlab.api import Record
 from contactlab.api.drawing.colours import STYLES
 from contactlab.jobs.archive import FILE, Archive
 from contactlab.jobs.system import machine
-from contactlab.reports.accuracy_explore import Place
-from contactlab.reports.html import ASSETS
+from contactlab.reports.accuracy_explore import Place, page_figure
+from contactlab.reports.html import ASSETS, filled
 from contactlab.reports.numbers import percent, significant
-from contactlab.reports.templates import filled, page_figure
 from contactlab.results.shown_pressure import shown_pressure
 
 FOLDER = "runs"

@@ -14,9 +14,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter
 
-from contactlab.reports.breakdown_table import EXPLANATION, HEADS, by_cost, cells, reasons, sentence
+from contactlab.reports.breakdown_table import EXPLANATION, effects_sheet, reasons, sentence
 from contactlab.reports.figures import ALARM, INK, MUTED, house_style, note, save
-from contactlab.reports.html import document, figure_section, machine_section, plain_table, scene_section, section
+from contactlab.reports.html import document, figure_section, machine_section, scene_section, section
 from contactlab.reports.numbers import percent
 from contactlab.studies.cost_breakdown import CostBreakdown, EffectCost
 from contactlab.studies.table import Table
@@ -146,14 +146,13 @@ def write_breakdown_report(table: Table, breakdown: CostBreakdown, folder: Path)
     figure = breakdown_figure(breakdown)
     save(figure, folder, "bill")
     notes = "".join(f'<p class="note">{escape(text)}</p>\n' for text in reasons(breakdown.effects))
-    rows = (cells(cost, breakdown) for cost in by_cost(breakdown))
     head = (
         f'<header>\n<h1>{escape(table.study.name)}</h1>\n<p class="lead">{escape(sentence(breakdown))}</p>\n</header>'
     )
     explanation = f'<p class="note">{escape(EXPLANATION)}</p>\n'
     sections = [
         head,
-        section("What each effect costs and changes", plain_table(HEADS, rows, texts=2) + explanation + notes),
+        section("What each effect costs and changes", effects_sheet(breakdown).html() + explanation + notes),
         figure_section({"bill": figure}, "bill", "Which effects the scene needs", _PLOT, narrow=True),
         scene_section(table),
         machine_section(table),

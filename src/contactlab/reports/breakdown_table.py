@@ -4,20 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rich import box
-from rich.console import Console, Group, RenderableType
-from rich.table import Table as RichTable
+from rich.console import Group, RenderableType
 from rich.text import Text
 
 from contactlab.reports.numbers import percent, significant
+from contactlab.reports.sheet import Column, Sheet, numbers
 from contactlab.studies.cost_breakdown import CostBreakdown, EffectCost
-from contactlab.studies.table import Table
 
-HEADS = (
-    "effect", "in the scene", "CPU per step, µs", "share of a step, %", "CPU in the run, s", "arrays, MiB",
-    "force, %", "pressure, %", "energy, %", "the other run",
+HEADS: tuple[Column | str, ...] = (
+    "effect", "in the scene",
+    *numbers("CPU per step, µs", "share of a step, %", "CPU in the run, s", "arrays, MiB", "force, %", "pressure, %",
+             "energy, %"),
+    "the other run",
 )  # fmt: skip
-"""Columns of the table; the first two and the last are words."""
 
 
 def by_cost(breakdown: CostBreakdown) -> list[EffectCost]:
@@ -25,8 +24,12 @@ def by_cost(breakdown: CostBreakdown) -> list[EffectCost]:
     return sorted(breakdown.effects, key=lambda cost: -cost.run_s if cost.run_s == cost.run_s else float("inf"))
 
 
-def cells(cost: EffectCost, breakdown: CostBreakdown) -> tuple[str, ...]:
-    """The cells of an effect's row as texts."""
+def effects_sheet(breakdown: CostBreakdown, title: str = "") -> Sheet:
+    """A row per effect."""
+    return Sheet(HEADS, (_cells(cost, breakdown) for cost in by_cost(breakdown)), title)
+
+
+def _cells(cost: EffectCost, breakdown: CostBreakdown) -> tuple[str, ...]:
     return (
         cost.effect,
         "yes" if cost.declared else "no",
@@ -60,22 +63,12 @@ def sentence(breakdown: CostBreakdown) -> str:
     return text
 
 
-def print_breakdown(table: Table, console: Console) -> None:
-    """Print the breakdown of a table that has one."""
-    assert table.breakdown is not None
-    console.print(render_breakdown(table.breakdown, table.study.name))
-
-
 def render_breakdown(breakdown: CostBreakdown, title: str) -> RenderableType:
     """The table of all effects, with sentences and reasons of failures below it."""
-    drawn = RichTable(box=box.SIMPLE_HEAD, title=Text(title), title_justify="left", pad_edge=False)
-    for number, head in enumerate(HEADS):
-        drawn.add_column(head, justify="left" if number in (0, 1, len(HEADS) - 1) else "right")
-    for cost in by_cost(breakdown):
-        drawn.add_row(*(Text(cell) for cell in cells(cost, breakdown)))
     ended = [] if breakdown.status == "finished" else [f"the scene itself: {breakdown.status}: {breakdown.reason}"]
     notes = [Text(text, style="yellow") for text in (*ended, *reasons(breakdown.effects))]
-    return Group(drawn, Text(sentence(breakdown)), Text(EXPLANATION, style="dim"), *notes)
+    sheet = effects_sheet(breakdown, title)
+    return Group(sheet, Text(sentence(breakdown)), Text(EXPLANATION, style="dim"), *notes)
 
 
 EXPLANATION = (

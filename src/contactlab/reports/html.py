@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import cache
 from html import escape
 from pathlib import Path
 from typing import Any
 
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from matplotlib.figure import Figure
 
 from contactlab.reports.figures import inline_svg
@@ -15,7 +17,17 @@ from contactlab.scene.toml_text import write_toml
 from contactlab.studies.table import Table
 
 ASSETS = Path(__file__).parent.parent / "data" / "report"
-"""Styles and scripts of pages."""
+"""Styles, scripts and templates of pages."""
+
+
+@cache
+def _environment() -> Environment:
+    return Environment(loader=FileSystemLoader(ASSETS), autoescape=True, undefined=StrictUndefined, trim_blocks=True)
+
+
+def filled(name: str, **values: Any) -> str:
+    """Fill the template of this name; what is filled in is escaped."""
+    return _environment().get_template(name).render(**values)
 
 
 def document(title: str, sections: Iterable[str]) -> str:
@@ -42,17 +54,6 @@ def figure_section(figures: dict[str, Figure], name: str, title: str, caption: s
     svg = inline_svg(figures[name], name, escape(title))
     kind = ' class="narrow"' if narrow else ""
     return section(title, f"<figure{kind}>\n{svg}\n<figcaption>{escape(caption)}</figcaption>\n</figure>")
-
-
-def plain_table(heads: Iterable[str], rows: Iterable[Iterable[str]], texts: int) -> str:
-    """Write a table whose first `texts` columns are words."""
-
-    def line(cells: Iterable[str], tag: str) -> str:
-        kinds = (' class="text"' if k < texts else "" for k in range(100))
-        return "".join(f"<{tag}{kind}>{escape(cell)}</{tag}>" for cell, kind in zip(cells, kinds, strict=False))
-
-    body = "".join(f"<tr>{line(row, 'td')}</tr>\n" for row in rows)
-    return f'<div class="scroll"><table><thead><tr>{line(heads, "th")}</tr></thead><tbody>{body}</tbody></table></div>'
 
 
 def facts_list(facts: dict[str, Any]) -> str:

@@ -20,18 +20,16 @@ from contactlab.reports.html import (
     facts_list,
     figure_section,
     machine_section,
-    plain_table,
     scene_section,
     section,
 )
 from contactlab.reports.numbers import percent, uncertain
-from contactlab.reports.page_table import runs_table
 from contactlab.reports.pressure_plot import is_map, pressure_figure
-from contactlab.reports.tex import table_tex
-from contactlab.reports.times_table import times_section
+from contactlab.reports.sheet import Sheet, numbers
+from contactlab.reports.table import runs_sheet, table_tex, times_sheet
 from contactlab.studies.reference import Reference
 from contactlab.studies.table import Table
-from contactlab.studies.table_files import Agreement, agreements
+from contactlab.studies.table_files import agreements
 
 
 def write_report(table: Table, folder: Path) -> None:
@@ -66,12 +64,12 @@ def page(table: Table, figures: dict[str, Figure]) -> str:
         _head(table),
         _cards(table, chosen),
         figure_section(figures, "pressure", "Contact pressure", _MAP if is_map(table) else _PRESSURE),
-        section("All runs", runs_table(table, chosen) + _notes(table)),
+        section("All runs", _runs(table) + _notes(table)),
         figure_section(figures, "force", "Force against displacement", _FORCE, narrow=True),
         figure_section(figures, "error-against-cost", "What accuracy costs", _COST, narrow=True),
         figure_section(figures, "bodies", "The deformed bodies", _bodies_caption(table), narrow=True),
         _agreement(table),
-        times_section(table),
+        _times(table),
         _reference(table.reference, table),
         scene_section(table),
         machine_section(table),
@@ -97,6 +95,11 @@ _COST = (
     "Further left is cheaper, further down more accurate. Each line is one algorithm with one choice of slave; "
     "the numbers are mesh levels. CPU seconds are those of one thread, without imports, "
     "building, and compiling or loading kernels."
+)
+_TIMES = (
+    "Wall time of the steps, kernels compiled or loaded in it too, and the share of each phase and of the parts in it. "
+    "Shares of laws and elements were measured on the state at the end; implicit runs solve contact together with the "
+    "bodies."
 )
 
 
@@ -137,27 +140,34 @@ def _notes(table: Table) -> str:
     return "".join(f'<p class="note">{escape(note)}</p>\n' for note in notes)
 
 
+def _runs(table: Table) -> str:
+    """All runs with all measures; those beyond the usual ones are shown on demand."""
+    switch = '<p><button class="switch" type="button" data-all="runs">Show all columns</button></p>'
+    sheet = runs_sheet(table, [column.name for column in table.measures], links=True)
+    return switch + sheet.html(name="runs", sortable=True)
+
+
+def _times(table: Table) -> str:
+    """Where the time went, folded away; empty if no run left a summary."""
+    sheet = times_sheet(table)
+    folded = f"<details><summary>{len(table)} runs, phase by phase</summary>{sheet.html()}</details>"
+    return section("Where the time went", f"<p>{_TIMES}</p>{folded}" if sheet.rows else "")
+
+
 def _agreement(table: Table) -> str:
     pairs = agreements(table.main)
     if not pairs:
         return ""
+    varied = any(pair.varied for pair in pairs)
+    rows = (
+        [f"{pair.first} and {pair.second}", *[pair.varied] * varied, pair.slave, str(pair.level),
+         percent(pair.reaction), percent(pair.pressure, 3)]
+        for pair in pairs
+    )  # fmt: skip
+    heads = ["algorithms", *["with"] * varied, "slave"]
+    sheet = Sheet([*heads, *numbers("level", "reaction difference, %", "pressure difference, %")], rows)
     text = "<p>How far two algorithms are from each other on the same run; no reference is involved.</p>"
-    heads = ("algorithms", "slave", "level", "reaction difference, %", "pressure difference, %")
-    if any(pair.varied for pair in pairs):
-        table_of = plain_table((heads[0], "with", *heads[1:]), (_with_varied(pair) for pair in pairs), texts=3)
-    else:
-        table_of = plain_table(heads, map(_agreement_cells, pairs), texts=2)
-    return section("Do the algorithms agree?", text + table_of)
-
-
-def _with_varied(pair: Agreement) -> tuple[str, ...]:
-    names, *rest = _agreement_cells(pair)
-    return names, pair.varied, *rest
-
-
-def _agreement_cells(pair: Agreement) -> tuple[str, ...]:
-    names = f"{pair.first} and {pair.second}"
-    return names, pair.slave, str(pair.level), percent(pair.reaction), percent(pair.pressure, 3)
+    return section("Do the algorithms agree?", text + sheet.html())
 
 
 def _bodies_caption(table: Table) -> str:

@@ -1,27 +1,26 @@
-"""The table of a comparison on a terminal: every run a row, what failed and why below."""
+"""The tables of a comparison: every run a row, where the time went, and all numbers of a few runs."""
 
 from __future__ import annotations
 
-import os
+import json
+import math
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
 
-from rich import box
-from rich.console import Console, Group, RenderableType
-from rich.table import Table as RichTable
+from rich.console import Group, RenderableType
 from rich.text import Text
 
+from contactlab.api.drawing.colours import styles
 from contactlab.api.drawing.units import Units
 from contactlab.api.warning import RunWarning
 from contactlab.reports.findings import heading
-from contactlab.reports.numbers import heading_unit, percent, quantity
-from contactlab.reports.terminal import Terminal
-from contactlab.studies.columns import Column
+from contactlab.reports.numbers import heading_unit, percent, quantity, significant
+from contactlab.reports.run_details import part_label, why_apart
+from contactlab.reports.sheet import Cell, Column, Line, Sheet, numbers
+from contactlab.studies import columns
 from contactlab.studies.table import Row, Table
-
-WIDTH = 140
-"""Columns of text that the usual table needs."""
 
 USUAL = (
     "peak_force",
@@ -66,58 +65,85 @@ _NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
 
 _RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
-_COLOURS = {"finished": "green", "not-converged": "yellow"}
+
+def usual(table: Table) -> Sequence[str]:
+    """Names of the measures that the study asks for."""
+    return table.study.measures or USUAL
 
 
-@dataclass(frozen=True)
-class _Shown:
-    """A column as it is drawn: heading, a cell for each row, and what to call it where it is left out."""
-
-    heading: Text
-    cells: Sequence[Text]
-    title: str
-    unit: str = ""
-    number: bool = True
-    essential: bool = False
-
-    @property
-    def constant(self) -> bool:
-        """Whether every row has the same value in a column."""
-        return len(self.cells) > 1 and len({cell.plain for cell in self.cells}) == 1
+def known(table: Table, names: Sequence[str], rows: Sequence[Row]) -> list[columns.Column]:
+    """Measures of these names that any of the rows has."""
+    found = {column.name: column for column in table.measures}
+    return [found[name] for name in names if any(_value(row, name) == _value(row, name) for row in rows)]
 
 
-def print_table(table: Table, console: Console | None = None) -> None:
-    """Print the table; where nobody says how wide it may be, as wide as it needs to be."""
-    console = console or Terminal()
-    if not console.is_terminal and "COLUMNS" not in os.environ:
-        console = Terminal(file=console.file, width=max(WIDTH, console.width))
-    console.print(render(table, console.width))
+def _value(row: Row, name: str) -> float:
+    return row.measures.get(name, math.nan)
 
 
-def render(table: Table, width: int = WIDTH) -> RenderableType:
-    """The table and the notes below it. What does not fit into `width` stays in `table.csv`.
+def runs_sheet(table: Table, names: Sequence[str], rows: Sequence[Row] | None = None, links: bool = False) -> Sheet:
+    """A row per run: what was chosen, how it ended, and the measures of these names that any row has.
 
-    First those columns go that say the same in every row, which then stands below; then numbers, error and cost last.
+    links  to the folders of runs, seen from the folder of the comparison
     """
-    columns, empty = _columns(table)
-    same: list[_Shown] = []
-    left_out: list[_Shown] = []
-    for column in _least_important_first(columns):
-        if Terminal(width=1000).measure(_draw(table, columns)).maximum <= width:
-            break
-        columns.remove(column)
-        if column.constant:
-            same.append(column)
-        else:
-            left_out.insert(0, column)
-    return Group(*_nothing_finished(table), _draw(table, columns), *_notes(table, same, left_out, empty))
+    rows = table.rows if rows is None else rows
+    keys = list(dict.fromkeys(key for row in rows for key in row.choices))
+    measures = known(table, names, rows)
+    alike = {row.name: n for n, group in enumerate(failed_alike(table), start=1) for row in group}
+    colours = styles(row.algorithm for row in table.rows)
+
+    def line(row: Row, following: Row | None) -> Line:
+        here = links and table.folder is not None and (table.folder / "runs" / row.name).is_dir()
+        link = f"runs/{row.name}/" if here else ""
+        mark = (f" {alike[row.name]}".translate(_RAISED) if row.name in alike else "") + (" !" if row.warnings else "")
+        cells = [
+            Cell(row.algorithm, link=link, swatches=(colours[row.algorithm].colour,)),
+            Cell(row.slave),
+            *(Cell(str(row.choices.get(key, ""))) for key in keys),
+            Cell(str(row.level), row.level),
+            Cell(row.status, kind=row.status, mark=mark),
+            *(Cell(quantity(_value(row, c.name), c.unit, c.digits), _value(row, c.name)) for c in measures),
+        ]
+        below = [("", row.reason)] * bool(row.reason) + [(warning.code, warning.text) for warning in row.warnings]
+        ends = following is not None and following.refines != row.refines
+        return Line(cells, "refines" if row.refines else "", below, ends)
+
+    heads = [*map(Column, ("algorithm", "slave", *keys)), Column("level", meaning="Multiplier of all cell counts.")]
+    heads.append(Column("status", keep=True))
+    heads += [_column(measure, table) for measure in measures]
+    lines = [line(row, following) for row, following in zip(rows, [*rows[1:], None], strict=True)]
+    return Sheet(heads, lines, heading(table), "--verbose, table.csv")
 
 
-def _least_important_first(columns: Sequence[_Shown]) -> list[_Shown]:
-    constant = [c for c in columns if c.constant]
-    rest = [c for c in columns if not c.constant and c.number]
-    usual = [c for c in reversed(rest) if not c.essential]
-    return [*constant, *usual, *(c for c in reversed(rest) if c.essential)]
+def _column(measure: columns.Column, table: Table) -> Column:
+    return Column(
+        measure.title, unit_of(measure, table), _SHORT.get(measure.name, ""), measure.meaning, number=True, whole=True,
+        leaves=2 if measure.name in ESSENTIAL else 1, extra=measure.name not in usual(table),
+    )  # fmt: skip
+
+
+def unit_of(measure: columns.Column, table: Table) -> str:
+    """Name of the unit that the values of a measure are shown in."""
+    units = Units.of_label(table.scene.get("units"))
+    return heading_unit(measure.unit, units[measure.unit] if measure.unit else "")
+
+
+def table_tex(table: Table) -> str:
+    """A `tabular` with a row per run of the study and the usual measures that any of them has."""
+    sheet = runs_sheet(table, usual(table), table.main)
+    return f"% {table.study.name}; needs \\usepackage{{booktabs}}\n{sheet.tex()}\n"
+
+
+# --- on a terminal ---
+
+
+def render(table: Table) -> RenderableType:
+    """The table and the notes below it."""
+    names = usual(table)
+    there = known(table, names, table.rows)
+    titles = {column.name: column.title for column in table.measures if column not in there}
+    empty = [titles[name] for name in names if name in titles]
+    return Group(*_nothing_finished(table), runs_sheet(table, names), *_notes(table, empty))
 
 
 def _nothing_finished(table: Table) -> list[Text]:
@@ -144,68 +170,14 @@ def failure(rows: Sequence[Row]) -> str:
     return f"{len(rows)} runs alike ({algorithms}), {first.status}; {_who(first)}: {first.reason}"
 
 
-def _columns(table: Table) -> tuple[list[_Shown], list[str]]:
-    """All columns in the order of the table, and titles of measures that no run has."""
-    units = Units.of_label(table.scene.get("units"))
-    keys = list(dict.fromkeys(key for row in table.rows for key in row.choices))
-    numbers = {row.name: n for n, rows in enumerate(failed_alike(table), start=1) for row in rows}
-    words = {"algorithm": [row.algorithm for row in table.rows], "slave": [row.slave for row in table.rows]}
-    words |= {key: [str(row.choices.get(key, "")) for row in table.rows] for key in keys}
-    words["level"] = [str(row.level) for row in table.rows]
-    shown = [_Shown(Text(name), [Text(cell) for cell in cells], name, number=False) for name, cells in words.items()]
-    status = [_status(row, numbers.get(row.name)) for row in table.rows]
-    shown.append(_Shown(Text("status"), status, "status", number=False))
-    known = {column.name: column for column in table.measures}
-    measures = [known[name] for name in table.study.measures or USUAL]
-    missing = {c.name for c in measures if all(row[c.name] != row[c.name] for row in table.rows)}
-    for column in (c for c in measures if c.name not in missing):
-        cells = [Text(quantity(row[column.name], column.unit, column.digits)) for row in table.rows]
-        unit = heading_unit(column.unit, units[column.unit] if column.unit else "")
-        shown.append(_Shown(_heading(column, unit), cells, column.title, unit, essential=column.name in ESSENTIAL))
-    return shown, [column.title for column in measures if column.name in missing]
-
-
-def _draw(table: Table, columns: Sequence[_Shown]) -> RichTable:
-    drawn = RichTable(
-        box=box.SIMPLE_HEAD,
-        padding=(0, 1),
-        collapse_padding=True,
-        pad_edge=False,
-        title=Text(heading(table)),
-        title_justify="left",
-    )
-    for column in columns:
-        drawn.add_column(column.heading, no_wrap=True, justify="right" if column.number else "left")
-    for number, (row, following) in enumerate(zip(table.rows, [*table.rows[1:], None], strict=True)):
-        ends = following is not None and following.refines != row.refines
-        drawn.add_row(*(column.cells[number] for column in columns), end_section=ends)
-    return drawn
-
-
-def _heading(column: Column, unit: str) -> Text:
-    text = Text(_SHORT.get(column.name, column.title))
-    return text.append(f"\n{unit}", style="dim") if unit else text
-
-
-def _status(row: Row, number: int | None) -> Text:
-    mark = f" {number}".translate(_RAISED) if number is not None else ""
-    status = Text(row.status + mark, style=_COLOURS.get(row.status, "red"))
-    return status.append(" !", style="bold yellow") if row.warnings else status
-
-
-def _notes(table: Table, same: Sequence[_Shown], left_out: Sequence[_Shown], empty: Sequence[str]) -> list[Text]:
-    constants = ", ".join(f"{c.title} {c.cells[0].plain} {c.unit}".strip() for c in same)
-    notes = [Text(f"in every row: {constants}")] if same else []
-    for number, rows in enumerate(failed_alike(table), start=1):
-        notes.append(Text.assemble((f"{number} ".translate(_RAISED), "bold"), failure(rows)))
+def _notes(table: Table, empty: Sequence[str]) -> list[Text]:
+    notes = [
+        Text.assemble((f"{number} ".translate(_RAISED), "bold"), failure(rows))
+        for number, rows in enumerate(failed_alike(table), start=1)
+    ]
     notes += _warnings(table)
     notes.append(_reference_note(table))
-    if empty:
-        notes.append(Text("no run has: " + ", ".join(empty), style="dim"))
-    if left_out:
-        titles = ", ".join(column.title for column in left_out)
-        notes.append(Text(f"not shown for lack of width: {titles} (--verbose, table.csv)", style="dim"))
-    return notes
+    return [*notes, Text("no run has: " + ", ".join(empty), style="dim")] if empty else notes
 
 
 def _warnings(table: Table) -> list[Text]:
@@ -234,3 +206,69 @@ def _reference_note(table: Table) -> Text:
         return Text(f"pressure error not computed: {why} (--reference finest makes one)", style="dim")
     known = percent(reference.pressure_uncertainty)
     return Text(f"reference: {reference.title}; uncertainty of its pressure {known} %", style="dim")
+
+
+def every_number(table: Table, width: int) -> RenderableType:
+    """A row per measure and a column per run, as many runs beside each other as fit."""
+    return Group(*_beside(table, width), *_remarks(table))
+
+
+def _beside(table: Table, width: int) -> Iterator[Sheet]:
+    rows = list(table.rows)
+    while rows:
+        count = len(rows)
+        while count > 1 and (sheet := _transposed(table, rows[:count])).width(range(count + 2)) > width:
+            count -= 1
+        yield sheet
+        rows = rows[count:]
+
+
+def _transposed(table: Table, rows: Sequence[Row]) -> Sheet:
+    def name(row: Row) -> str:
+        choices = [f"{key.rpartition('.')[2]} {value}" for key, value in row.choices.items()]
+        return "\n".join([row.algorithm, f"slave {row.slave}", *choices, f"level {row.level}"])
+
+    lines = [["status", *(row.status for row in rows), ""]]
+    for c in known(table, [column.name for column in table.measures], rows):
+        lines.append([c.title, *(quantity(_value(row, c.name), c.unit, c.digits) for row in rows), unit_of(c, table)])
+    return Sheet([Column("", keep=True), *(Column(name(row), number=True, keep=True) for row in rows), ""], lines)
+
+
+def _remarks(table: Table) -> Iterator[Text]:
+    """Reasons and warnings of each run."""
+    for row in table.rows:
+        lines = [f"{row.status}: {row.reason}"] if row.reason else []
+        lines += [f"{warning.code}: {warning.text}" for warning in row.warnings]
+        if lines:
+            yield Text.assemble((row.name, "bold"), "\n", "\n".join(lines))
+
+
+# --- where the time went ---
+
+
+def times_sheet(table: Table) -> Sheet:
+    """A row for every phase and part of every run that left a summary."""
+    lines = (line for row in table.rows for line in _times(row.name, _cost(table.folder, row.name)))
+    return Sheet(["run", "phase", "part", *numbers("share, %", "seconds")], lines)
+
+
+def _cost(folder: Path | None, name: str) -> Mapping[str, Any]:
+    path = Path() if folder is None else folder / "runs" / name / "summary.json"
+    if not path.is_file():
+        return {}
+    cost: Mapping[str, Any] = json.loads(path.read_text(encoding="utf-8")).get("cost", {})
+    return cost
+
+
+def _times(name: str, cost: Mapping[str, Any]) -> Iterator[tuple[str, ...]]:
+    phases = cost.get("phases", {})
+    whole = sum(phases.values())
+    if not whole > 0.0:
+        return
+    apart = why_apart(float(cost.get("run_cpu_s", 0.0)), float(cost.get("run_wall_s", 0.0)))
+    yield name, "all steps" + (f" ({apart})" if apart else ""), "", "100", significant(whole, 3)
+    for phase, seconds in phases.items():
+        yield "", phase, "", percent(seconds / whole), significant(seconds, 3)
+        for what, parts in cost.get("parts", {}).get(phase, {}).items():
+            for part, time in parts.items():
+                yield "", "", what + part_label(part), percent(time / whole), significant(time, 3)

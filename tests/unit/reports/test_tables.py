@@ -18,10 +18,12 @@ from contactlab.reports.findings import findings, sentence, span
 from contactlab.reports.numbers import percent, significant, uncertain
 from contactlab.reports.run import render_run
 from contactlab.reports.run_details import render_details
-from contactlab.reports.table import USUAL, WIDTH, print_table, render
-from contactlab.reports.times_table import every_number
+from contactlab.reports.table import USUAL, every_number, render
 from contactlab.results.results import ContactCurve, ContactHistory, Results
 from contactlab.studies.table import Row, Table
+
+WIDTH = 140
+"""Columns of text that the usual table needs."""
 
 
 def shown(renderable: object, width: int = WIDTH) -> str:
@@ -102,25 +104,25 @@ class TestComparison:
                 "sideways_force": 1.2e-15, "cpu_s": 1234.5, "oscillation": -0.0123, "swap_asymmetry": 0.0123,
                 "pressure_error": 0.0123, "reaction_against_pressure": 1.2e-4}  # fmt: skip
         rows = [replace(row, algorithm="node-on-segment", status="not-converged", measures=wide) for row in table.rows]
-        text = shown(render(replace(table, rows=rows)), WIDTH)
+        text = shown(render(replace(table, rows=rows)))
         assert "CPU" in text
         assert "not shown" not in text
         assert max(map(len, text.splitlines())) <= WIDTH
 
     def test_a_narrow_terminal_loses_columns_but_no_digits(self, table: Table) -> None:
-        text = shown(render(table, 60), 60)
+        text = shown(render(table), 60)
         assert "not shown for lack of width" in text
         assert "…" not in text
 
     def test_what_is_the_same_in_every_row_goes_first_and_stands_below(self, table: Table) -> None:
         rows = [replace(row, level=2, measures={**row.measures, "reaction": 666.7}) for row in table.rows]
-        text = shown(render(replace(table, rows=rows), 60), 60)
+        text = shown(render(replace(table, rows=rows)), 60)
         assert "in every row: level 2, reaction 666.7" in " ".join(text.split())
         assert "not shown" not in text
 
     def test_error_and_cost_are_the_last_to_go(self, table: Table) -> None:
         rows = [replace(row, measures=dict.fromkeys(USUAL, 1.0 + 0.1 * n)) for n, row in enumerate(table.rows)]
-        text = shown(render(replace(table, rows=rows), 80), 80)
+        text = shown(render(replace(table, rows=rows)), 80)
         assert max(map(len, text.splitlines())) <= 80
         heads = text.split("─")[0]
         assert "p error" in heads
@@ -130,11 +132,6 @@ class TestComparison:
     def test_a_measure_that_no_run_has_is_named_and_not_drawn(self, table: Table) -> None:
         text = " ".join(shown(render(table)).split())
         assert "no run has: peak force, peak pressure, reaction vs pressure" in text
-
-    def test_a_pipe_gets_the_whole_table(self, table: Table) -> None:
-        file = io.StringIO()
-        print_table(table, Console(file=file, width=60))
-        assert "CPU" in file.getvalue()
 
     def test_a_study_may_choose_its_columns(self, table: Table) -> None:
         chosen = replace(table, study=replace(table.study, measures=("steps",)))

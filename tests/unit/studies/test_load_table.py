@@ -10,7 +10,7 @@ from inline import runs_inline
 
 import contactlab
 from contactlab.errors import RequestError
-from contactlab.reports.tex import escaped
+from contactlab.reports.sheet import escaped
 from contactlab.studies.table import Row, Table
 
 SMALL = {

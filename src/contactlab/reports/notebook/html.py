@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from html import escape
 from typing import Any
 
@@ -11,24 +11,28 @@ from matplotlib.figure import Figure
 
 from contactlab.reports.cost_plot import cost_figure
 from contactlab.reports.force_plot import force_figure
+from contactlab.reports.matrix_table import matrix_sheet
 from contactlab.reports.notebook.canvas import Plot
 from contactlab.reports.notebook.curves import curve_figure
 from contactlab.reports.notebook.pictures import field_figure
 from contactlab.reports.notebook.scene_picture import scene_figure
 from contactlab.reports.notebook.texts import results_facts, scene_facts
-from contactlab.reports.numbers import heading_unit, quantity
 from contactlab.reports.pressure_plot import pressure_figure, pressures_in
+from contactlab.reports.sheet import facts
+from contactlab.reports.table import runs_sheet
 from contactlab.results.results import Results
 from contactlab.scene.scene import Scene
-from contactlab.studies.columns import BY_NAME
 from contactlab.studies.table import Table
 from contactlab.verdicts.run import Matrix
 
-CELL = "text-align:left;padding:.15em .8em .15em 0;vertical-align:top"
+STYLE = (
+    ".contactlab .text{text-align:left;vertical-align:top} .contactlab .unit{display:block;font-weight:400} "
+    ".contactlab .refines{opacity:.7} .contactlab .reason td{text-align:left} "
+    ".contactlab .met{color:#1a7f4b} .contactlab .missed{color:#9a5b00} .contactlab :is(.failed,.silent){color:#b42318}"
+)
 WARNING = "border-left:4px solid #9a5b00;padding:.2em .8em;margin:.4em 0"
 FAULT = "border-left:4px solid #b42318;padding:.2em .8em;margin:.4em 0"
 SHOWN = ("pressure_error", "reaction_error", "reaction", "max_penetration", "steps", "cpu_s")
-COLOURS = {"met": "#1a7f4b", "missed": "#9a5b00", "failed": "#b42318", "silent": "#b42318"}
 
 
 def scene_html(scene: Scene) -> str:
@@ -58,21 +62,8 @@ def results_html(results: Results) -> str:
 
 def table_html(table: Table) -> str:
     """A row per run, failures with their reason, warnings, and the pressures of all runs."""
-    columns = [BY_NAME[name] for name in SHOWN if any(row[name] == row[name] for row in table.rows)]
-    keys = list(dict.fromkeys(key for row in table.rows for key in row.choices))
-    heads = ["algorithm", "slave", *keys, "level", "status", *(_head(c.title, c.unit) for c in columns)]
-    rows = [
-        [row.algorithm, row.slave, *(str(row.choices.get(key, "")) for key in keys), str(row.level), row.status,
-         *(quantity(row[c.name], c.unit, c.digits) for c in columns)]
-        for row in table.rows
-    ]  # fmt: skip
-    said = [f'<div style="{FAULT}"><b>{escape(row.name)}</b>, {row.status}: {escape(row.reason)}</div>'
-            for row in table.failed]  # fmt: skip
-    worst = {w.code: (row, w) for row in table.rows for w in sorted(row.warnings, key=lambda w: w.excess)}
-    said += [f'<div style="{WARNING}"><b>{escape(code)}</b>, {escape(row.name)}: {escape(w.text)}</div>'
-             for code, (row, w) in worst.items()]  # fmt: skip
     drawn = _picture(lambda: pressure_figure(table)) if any(row.curve is not None for row in table.main) else ""
-    return _block(escape(table.study.name), _table(heads, rows), *said, drawn)
+    return _block(escape(table.study.name), runs_sheet(table, SHOWN).html(), drawn)
 
 
 def cost_plot(table: Table, ax: Any = None) -> Any:
@@ -99,20 +90,7 @@ def shown(figure: Any) -> Any:
 
 def matrix_html(matrix: Matrix) -> str:
     """A line per case and variant, a column per algorithm; the verdict, and its reason when it is pointed at."""
-    contacts = list(dict.fromkeys(cell.choices["contact"] for cell, _ in matrix.cells))
-    lines: dict[tuple[str, ...], dict[str, str]] = {}
-    for cell, result in matrix.cells:
-        key = tuple(cell.choices[name] for name in ("case", "variant", "slave", "element", "integrator"))
-        colour = COLOURS.get(result.verdict, "inherit")
-        word = f'<span style="color:{colour}" title="{escape(result.reason)}">{escape(result.verdict)}</span>'
-        lines.setdefault(key, {})[cell.choices["contact"]] = word
-    rows = [[*map(escape, key), *(cells.get(name, "") for name in contacts)] for key, cells in lines.items()]
-    heads = ["case", "variant", "slave", "element", "integrator", *contacts]
-    return _block(f"Matrix of {len(matrix.cells)} cells", _table(heads, rows, plain=True))
-
-
-def _head(title: str, unit: str) -> str:
-    return f"{title} [%]" if heading_unit(unit, "") == "%" else title
+    return _block(f"Matrix of {len(matrix.cells)} cells", matrix_sheet(matrix).html())
 
 
 def _picture(draw: Callable[[], Any]) -> str:
@@ -126,20 +104,9 @@ def _picture(draw: Callable[[], Any]) -> str:
     return f'<img style="max-width:100%" alt="figure" src="data:image/png;base64,{data}">'
 
 
-def _facts(facts: Mapping[str, str]) -> str:
-    cells = ((f'<th style="{CELL}">{escape(name)}</th>', escape(text)) for name, text in facts.items())
-    return "<table>" + "".join(f'<tr>{head}<td style="{CELL}">{text}</td></tr>' for head, text in cells) + "</table>"
-
-
-def _table(heads: Iterable[str], rows: Iterable[Iterable[str]], plain: bool = False) -> str:
-    """`plain`: cells are HTML already."""
-
-    def line(cells: Iterable[str], tag: str) -> str:
-        texts = (cell if plain and tag == "td" else escape(cell) for cell in cells)
-        return "<tr>" + "".join(f'<{tag} style="{CELL}">{text}</{tag}>' for text in texts) + "</tr>"
-
-    return f"<table>{line(heads, 'th')}{''.join(line(row, 'td') for row in rows)}</table>"
+def _facts(lines: Mapping[str, str]) -> str:
+    return facts("", lines.items()).html()
 
 
 def _block(title: str, *parts: str) -> str:
-    return f"<div><h4>{title}</h4>{''.join(parts)}</div>"
+    return f"<div class=contactlab><style>{STYLE}</style><h4>{title}</h4>{''.join(parts)}</div>"

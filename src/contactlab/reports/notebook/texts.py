@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from contactlab.api.drawing.units import Units
-from contactlab.reports.numbers import percent, significant
+from contactlab.reports.numbers import significant
+from contactlab.reports.sheet import Sheet
 from contactlab.results.results import Results
 from contactlab.results.shown_pressure import other_peak
 from contactlab.scene.scene import Scene
@@ -82,17 +83,16 @@ def _pair(vector: Any) -> str:
 
 def table_text(table: Table) -> str:
     """A line per run: how it ended, its error and its cost."""
-    heads = ("algorithm", "slave", "level", "status", "p error %", "CPU s")
-    rows = [
-        (r.algorithm, r.slave, str(r.level), r.status, percent(r["pressure_error"]), significant(r["cpu_s"], 3))
-        for r in table.rows
-    ]
-    return _columns(f"Table of {len(table)} runs: {table.study.name}", heads, rows)
+    from contactlab.reports.table import runs_sheet
+
+    sheet = runs_sheet(table, ("pressure_error", "cpu_s"))
+    sheet.title = f"Table of {len(table)} runs: {table.study.name}"
+    return sheet.text(MOST)
 
 
 def table_latex(table: Table) -> str:
     """The table as `table.tex` has it."""
-    from contactlab.reports.tex import table_tex
+    from contactlab.reports.table import table_tex
 
     return table_tex(table)
 
@@ -104,17 +104,8 @@ def matrix_text(matrix: Matrix) -> str:
     counts = ", ".join(f"{matrix.count(verdict)} {verdict}" for verdict in WORST if matrix.count(verdict))
     heads = ("case", "variant", "contact", "slave", "verdict")
     cells = matrix.worst_first
-    rows = [(*(cell.choices[name] for name in heads[:4]), result.verdict) for cell, result in cells]
-    return _columns(f"Matrix of {len(matrix.cells)} cells: {counts}", heads, rows)
-
-
-def _columns(title: str, heads: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
-    shown = rows if len(rows) <= MOST - 2 else rows[: MOST - 3]
-    widths = [max(len(row[k]) for row in (heads, *shown)) for k in range(len(heads))]
-    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-             for row in (heads, *shown)]  # fmt: skip
-    more = [] if len(shown) == len(rows) else [f"... and {len(rows) - len(shown)} more"]
-    return "\n".join([title, *lines, *more])
+    rows = ([*(cell.choices[name] for name in heads[:4]), result.verdict] for cell, result in cells)
+    return Sheet(heads, rows, f"Matrix of {len(matrix.cells)} cells: {counts}").text(MOST)
 
 
 def _lines(title: str, facts: Mapping[str, str]) -> str:
