@@ -9,6 +9,8 @@ from typing import Any
 
 from machine import kind
 
+from contactlab.reports.sheet import Sheet
+
 HERE = Path(__file__).resolve().parent
 FILE = HERE / "baselines.json"
 Entry = dict[str, Any]
@@ -66,11 +68,11 @@ def _lines(entries: Sequence[Entry], what: str) -> Iterable[str]:
         yield from ["", f"## {name}", ""]
         yield from (f"- {_column(entry)}: {_software(entry)}" for entry in own)
         yield ""
-        yield f"| {what} | " + " | ".join(_column(entry) for entry in own) + " |"
-        yield "|---" * (len(own) + 1) + "|"
-        for ratio in dict.fromkeys(ratio for entry in own for ratio in entry["ratios"]):
-            values = (entry["ratios"].get(ratio) for entry in own)
-            yield f"| {ratio} | " + " | ".join("" if value is None else f"{value:.3g}" for value in values) + " |"
+        rows = (
+            [name, *(f"{entry['ratios'][name]:.3g}" if name in entry["ratios"] else "" for entry in own)]
+            for name in dict.fromkeys(name for entry in own for name in entry["ratios"])
+        )
+        yield Sheet([what, *map(_column, own)], rows).markdown()
 
 
 def _column(entry: Entry) -> str:

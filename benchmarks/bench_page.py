@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 
 from contactlab.api.drawing.colours import styles
 from contactlab.reports.figures import INK, MUTED, house_style
+from contactlab.reports.sheet import Sheet
 
 Rows = Sequence[Mapping[str, Any]]
 PHASES = {"elements": "#0072B2", "contact": "#D55E00", "rest": "#999999"}
@@ -106,7 +107,7 @@ def _element_section(rows: Rows) -> Iterable[str]:
          f"{r['share_of_bound']:.0%}")
         for r in rows
     )  # fmt: skip
-    yield from _table(head, cells)
+    yield Sheet(head, cells).markdown()
 
 
 def _peer_section(rows: Rows) -> Iterable[str]:
@@ -119,7 +120,7 @@ def _peer_section(rows: Rows) -> Iterable[str]:
         (f"{r['peer']} {r['version']}", r["cells"], f"{r['ns']:.0f} {_spread(r['spread'])}", f"{r['ratio']:.0f} times")
         for r in known
     )
-    yield from _table(head, body)
+    yield Sheet(head, body).markdown()
     yield from ("\nLeft out: " + f"{r['peer']}: {r['skipped']}" for r in rows if "skipped" in r)
 
 
@@ -140,16 +141,15 @@ def _step_section(found: Mapping[str, Any]) -> Iterable[str]:
          f"{r['contact'] / r['elements']:.2f}", f"{r['sweeps']:.1f}")
         for r in found["phases"]
     )  # fmt: skip
-    yield from _table(head, body)
+    yield Sheet(head, body).markdown()
     yield ""
     slopes = ", ".join(f"{name} {value:.2f}" for name, value in found["exponents"].items())
     yield f"Exponents of cost against size: {slopes}."
     yield ""
     head = ("element", "law", "bytes per cell", "bytes per slave node")
     rows = found["memory"]
-    yield from _table(
-        head, ((r["element"], r["law"], f"{r['bytes_per_cell']:.0f}", f"{r['bytes_per_slave_node']:.0f}") for r in rows)
-    )
+    memory = ((r["element"], r["law"], f"{r['bytes_per_cell']:.0f}", f"{r['bytes_per_slave_node']:.0f}") for r in rows)
+    yield Sheet(head, memory).markdown()
 
 
 def _start_section(found: Mapping[str, Any]) -> Iterable[str]:
@@ -166,16 +166,9 @@ def _start_section(found: Mapping[str, Any]) -> Iterable[str]:
         ("the law alone", f"{law['alone']:.1f}"),
         ("NumPy law by stacked matrices over the compiled law: whole step", f"{law['by matrices']:.1f}"),
     ]
-    yield from _table(("what", "CPU"), rows)
+    yield Sheet(("what", "CPU"), rows).markdown()
 
 
 def _spread(ends: Sequence[float]) -> str:
     """Best and worst round."""
     return f"({ends[0]:.1f} to {ends[1]:.1f})"
-
-
-def _table(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> Iterable[str]:
-    yield "| " + " | ".join(head) + " |"
-    yield "|" + "---|" * len(head)
-    for row in rows:
-        yield "| " + " | ".join(str(cell) for cell in row) + " |"

@@ -30,6 +30,7 @@ from kept_rows import Row
 
 from contactlab.api import Case, Job, Record, Setup
 from contactlab.cases.run_case import run_job, scene_of
+from contactlab.jobs.rows import write_csv
 
 HERE = Path(__file__).parent
 STORED = HERE / "case_references.csv"
@@ -188,7 +189,7 @@ def make(name: str, finest: int, most: float, algorithms: Sequence[str]) -> None
             print(
                 f"{name}: {run} {[(row['quantity'], row['value'], row['status'][:60], row['cpu_s']) for row in found]}"
             )
-            kept_rows.write(STORED, COLUMNS, [*kept_rows.read(STORED), *found])
+            write_csv(STORED, COLUMNS, [*kept_rows.read(STORED), *found])
 
 
 def _expected(rows: Sequence[Row], name: str, run: Contributor) -> float:

@@ -12,7 +12,9 @@ import kept_rows
 from kept_rows import Row
 
 from contactlab.jobs.archive import CHOICES
+from contactlab.jobs.rows import write_csv
 from contactlab.parts.registry import default_registry
+from contactlab.reports.sheet import Sheet
 from contactlab.verdicts.plan import Request
 
 HERE = Path(__file__).parent
@@ -43,7 +45,7 @@ def rows_of(archive: Path) -> list[Row]:
 
 def keep(rows: list[Row]) -> None:
     """Put rows into cases.csv, in place of those of the same cells."""
-    kept_rows.write(STORED, case_rows.COLUMNS, case_rows.merged(stored(), rows, case_rows.asked(Request())))
+    write_csv(STORED, case_rows.COLUMNS, case_rows.merged(stored(), rows, case_rows.asked(Request())))
 
 
 def stored() -> list[Row]:
@@ -70,16 +72,17 @@ def table(rows: list[Row]) -> list[str]:
     if not rows:
         return ["Not run yet."]
     contacts = list(dict.fromkeys(row["contact"] for row in rows))
-    lines = ["| measure | allowed | " + " | ".join(contacts) + " |", "|---" * (len(contacts) + 2) + "|"]
+    lines = []
     for name in dict.fromkeys(row["measure"] for row in rows):
         own = {row["contact"]: row for row in rows if row["measure"] == name}
         first = next(iter(own.values()))
         unit = f" [{first['unit']}]" if first["unit"] else ""
         cells = [shown(own[contact]) if contact in own else "" for contact in contacts]
-        lines.append(f"| {name}{unit} | {allowed(first)} | " + " | ".join(cells) + " |")
+        lines.append([f"{name}{unit}", allowed(first), *cells])
     told = {row["contact"]: row for row in rows if row["cell"] in ("silent", "failed", "not-judged", "ill-posed")}
     notes = [f"- {contact}, {row['cell']}: {row['reason'][:300]}" for contact, row in told.items()]
-    return [*lines, *([""] if notes else []), *notes]
+    table = Sheet(["measure", "allowed", *contacts], lines).markdown()
+    return [table, *([""] if notes else []), *notes]
 
 
 def shown(row: Row) -> str:

@@ -13,11 +13,14 @@ import hashlib
 from pathlib import Path
 
 import kept_rows
+from filled import filled
 from kept_rows import Row
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
 from contactlab.jobs.archive import FILE, Archive
+from contactlab.jobs.rows import write_csv
+from contactlab.reports.sheet import Sheet
 from contactlab.studies.reference import bundled
 
 HERE = Path(__file__).parent
@@ -28,7 +31,6 @@ DRAWN = {"pressure.png": "comparison.png", "error-against-cost.png": "error-agai
 COLUMNS = ("algorithm", "slave", "level", "status", "pressure_error", "cpu_s", "steps")
 REFERENCE = [bundled()["disc-on-block-deep"].with_suffix(suffix) for suffix in (".json", ".csv")]
 """What errors are measured against."""
-BEGIN, END = "<!-- numbers of make demo -->\n", "<!-- end of numbers -->"
 MARK = "rows"
 
 
@@ -45,7 +47,7 @@ def rows_of(archive: Path) -> list[Row]:
 
 def keep(folder: Path) -> None:
     """Take rows and pictures of a comparison."""
-    kept_rows.write(STORED, COLUMNS, rows_of(folder / FILE))
+    write_csv(STORED, COLUMNS, rows_of(folder / FILE))
     for name, own in DRAWN.items():
         told = PngInfo()
         told.add_text(MARK, hash_of_rows())
@@ -73,28 +75,21 @@ def stale_pictures() -> list[str]:
 
 def page() -> str:
     """README.md with the numbers of the kept rows between its two marks."""
-    head, rest = README.read_text(encoding="utf-8").split(BEGIN)
-    return head + BEGIN + _said(_stored()) + END + rest.split(END)[1]
-
-
-def _stored() -> list[Row]:
-    return kept_rows.read(STORED)
+    return filled(README, **{"numbers of make demo": _said(kept_rows.read(STORED))})
 
 
 def _said(rows: list[Row]) -> str:
     """Errors of the finest level for either slave, and who did not finish."""
     levels = sorted({int(row["level"]) for row in rows})
-    lines = ["", "| pressure error, level " + " / ".join(map(str, levels)) + " | disc as slave | block as slave |"]
-    lines.append("|---|---|---|")
-    for name in dict.fromkeys(row["algorithm"] for row in rows):
-        cells = [
-            " / ".join(_error(_row(rows, name, slave, level)) for level in levels) for slave in ("disc", "block")
-        ]  # fmt: skip
-        lines.append(f"| {name} | {' | '.join(cells)} |")
+    lines = [
+        [name, *(" / ".join(_error(_row(rows, name, slave, level)) for level in levels) for slave in ("disc", "block"))]
+        for name in dict.fromkeys(row["algorithm"] for row in rows)
+    ]
+    head = f"pressure error, level {' / '.join(map(str, levels))}", "disc as slave", "block as slave"
     finest = [row for row in rows if row["level"] == str(levels[-1]) and row["status"] == "finished"]
     seconds = sorted(float(row["cpu_s"]) for row in finest)
-    lines += ["", f"A finished run of level {levels[-1]} took {seconds[0]:.1f} to {seconds[-1]:.1f} CPU seconds.", ""]
-    return "\n".join(lines) + "\n"
+    took = f"A finished run of level {levels[-1]} took {seconds[0]:.1f} to {seconds[-1]:.1f} CPU seconds."
+    return f"\n{Sheet(head, lines).markdown()}\n\n{took}\n"
 
 
 def _row(rows: list[Row], algorithm: str, slave: str, level: int) -> Row:

@@ -15,13 +15,14 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from filled import filled
 
+from contactlab.reports.sheet import Sheet
 from contactlab.results.load import load_results
 from contactlab.results.results import Results
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = DOCS / "find-the-step.md"
-BEGIN, END = "<!-- measured: begin -->", "<!-- measured: end -->"
 IN_EVERY_STEP = 20  # steps in a row make a node that changes its segment in every step
 PANEL = "master segment"
 
@@ -51,16 +52,16 @@ def restless(run: Results) -> list[Restless]:
 
 def table(run: Results) -> str:
     """A row for each of them, from the end of the run backwards."""
-    lines = [
-        "| node | first change of segment | changes in all | first in every step | contact energy then, mJ/mm |",
-        "|---|---|---|---|---|",
-    ]
     energy = run.steps["energy.contact"]
-    for one in restless(run):
-        first, last = one.stretches[0]
-        cells = one.node, one.steps[0], len(one.steps), f"{first} to {last}", f"{energy[first - 1]:.2g}"
-        lines.append("| " + " | ".join(map(str, cells)) + " |")
-    return "\n".join(lines)
+    rows = (
+        [one.node, one.steps[0], len(one.steps), f"{first} to {last}", f"{energy[first - 1]:.2g}"]
+        for one in restless(run)
+        for first, last in one.stretches[:1]
+    )
+    heads = (
+        "node", "first change of segment", "changes in all", "first in every step", "contact energy then, mJ/mm"
+    )  # fmt: skip
+    return Sheet(heads, rows).markdown()
 
 
 def places(run: Results) -> dict[str, int]:
@@ -95,9 +96,7 @@ def _command(*words: str) -> None:
 
 def write(run: Results) -> None:
     """Put the table into the page."""
-    text = PAGE.read_text(encoding="utf-8")
-    head, rest = text.split(BEGIN)
-    PAGE.write_text(f"{head}{BEGIN}\n\n{table(run)}\n\n{END}{rest.split(END)[1]}", encoding="utf-8")
+    PAGE.write_text(filled(PAGE, measured=f"\n{table(run)}\n"), encoding="utf-8")
 
 
 def main(given: list[str]) -> None:

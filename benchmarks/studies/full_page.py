@@ -21,7 +21,9 @@ from kept_rows import Row
 from matrix_page import applying
 
 from contactlab.jobs.archive import CHOICES, Archive
+from contactlab.jobs.rows import write_csv
 from contactlab.parts.registry import default_registry
+from contactlab.reports.sheet import Sheet
 from contactlab.verdicts.plan import Request
 
 HERE = Path(__file__).parent
@@ -63,7 +65,7 @@ def rows_of(archive: Path) -> list[Row]:
 def keep(rows: list[Row]) -> None:
     """Put rows into full_matrix.csv, in place of those of the same cells; what no longer applies leaves."""
     planned = case_rows.applying(case_rows.asked(Request(full=True)))
-    kept_rows.write(STORED, COLUMNS, case_rows.merged(stored(), rows, planned))
+    write_csv(STORED, COLUMNS, case_rows.merged(stored(), rows, planned))
 
 
 def stored() -> list[Row]:
@@ -86,15 +88,19 @@ def page(rows: list[Row]) -> str:
     if len(rows) < planned:
         cells, others = f"{len(rows)} of the {planned}", "; the others have not been run yet"
     head = HEAD.format(cells=cells, minutes=minutes, others=others, counts=counts, missing=_missing(rows))
-    text = [head, *_table(rows)]
-    text += ["", "## Silent, failed and not judged, with the cause", "", "| case | algorithm | cells | cause |"]
-    text += ["|---|---|---|---|"]
-    for (case, contact, verdict), number in sorted(unanswered(rows).items()):
-        text.append(f"| `{case}` | {contact} | {number} {verdict} | {CAUSES.get((case, contact, verdict), '')} |")
+    causes = (
+        [f"`{case}`", contact, f"{number} {verdict}", CAUSES.get((case, contact, verdict), "")]
+        for (case, contact, verdict), number in sorted(unanswered(rows).items())
+    )
     missed = list(_missed(rows))
-    unknown = sum(int(line.split("|")[3]) for line in missed if line.split("|")[5].strip().startswith(UNKNOWN))
-    text += ["", "## Missed, by the number that misses first", "", f"The cause is not known for {unknown} cells.", ""]
-    return "\n".join([*text, *missed]) + "\n"
+    unknown = sum(number for *_, number, _, cause in missed if cause.startswith(UNKNOWN))
+    text = [
+        head, _table(rows), "", "## Silent, failed and not judged, with the cause", "",
+        Sheet(("case", "algorithm", "cells", "cause"), causes).markdown(), "",
+        "## Missed, by the number that misses first", "", f"The cause is not known for {unknown} cells.", "",
+        Sheet(("case", "algorithm", "cells", "number", "cause"), missed).markdown(),
+    ]  # fmt: skip
+    return "\n".join(text) + "\n"
 
 
 def _missing(rows: list[Row]) -> str:
@@ -103,13 +109,13 @@ def _missing(rows: list[Row]) -> str:
     return f"\n\nNot run yet: {', '.join(f'`{name}`' for name in names)}." if names else ""
 
 
-def _table(rows: list[Row]) -> list[str]:
+def _table(rows: list[Row]) -> str:
     contacts = sorted({row["contact"] for row in rows})
-    lines = ["| case | " + " | ".join(contacts) + " |", "|---" * (len(contacts) + 1) + "|"]
+    lines = []
     for case in sorted({row["case"] for row in rows}):
         cells = (Counter(r["verdict"] for r in rows if (r["case"], r["contact"]) == (case, c)) for c in contacts)
-        lines.append(f"| `{case}` | " + " | ".join(map(_cell, cells)) + " |")
-    return lines
+        lines.append([f"`{case}`", *map(_cell, cells)])
+    return Sheet(["case", *contacts], lines).markdown()
 
 
 def _cell(found: Counter[str]) -> str:
@@ -117,12 +123,11 @@ def _cell(found: Counter[str]) -> str:
     return f"{found['met'] + found['ill-posed']} / {found.total()}{more}"
 
 
-def _missed(rows: list[Row]) -> Iterator[str]:
+def _missed(rows: list[Row]) -> Iterator[tuple[str, str, int, str, str]]:
     """One line per case, algorithm and number, those of the same cause together."""
-    yield from ("| case | algorithm | cells | number | cause |", "|---|---|---|---|---|")
     missed = ((r["case"], r["contact"], _what(r["reason"])) for r in rows if r["verdict"] == "missed")
     for (case, contact, what), number in sorted(Counter(missed).items()):
-        yield f"| `{case}` | {contact} | {number} | {what} | {why_missed(case, what)} |"
+        yield f"`{case}`", contact, number, what, why_missed(case, what)
 
 
 def _what(reason: str) -> str:

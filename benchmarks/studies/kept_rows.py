@@ -1,20 +1,11 @@
-"""Rows that studies keep beside them, as CSV."""
+"""Rows that studies keep beside them, as CSV; `contactlab.jobs.rows.write_csv` writes them."""
 
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 Row = dict[str, str]
-
-
-def write(path: Path, columns: Sequence[str], rows: Iterable[Row]) -> None:
-    """Write a head of `columns`, and the rows; what a row lacks is empty."""
-    with path.open("w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, columns, restval="")
-        table.writeheader()
-        table.writerows(rows)
 
 
 def read(path: Path) -> list[Row]:

@@ -11,23 +11,19 @@ from pathlib import Path
 
 import case_rows
 import cases_page
+from filled import filled
 from kept_rows import Row
 
 from contactlab.jobs.archive import CHOICES
 from contactlab.parts.registry import default_registry
 from contactlab.verdicts.plan import Request
 
-PAGE, END = Path(__file__).parents[2] / "docs" / "matrix.md", "<!-- end of numbers -->"
+PAGE = Path(__file__).parents[2] / "docs" / "matrix.md"
 
 
 def page(rows: list[Row]) -> str:
     """docs/matrix.md with its numbers put in."""
-    text = PAGE.read_text(encoding="utf-8")
-    for mark, said in (("sizes", _sizes()), ("costs", _costs(rows))):
-        head, rest = text.split(f"<!-- {mark} -->\n")
-        tail = rest.partition(END)[2]
-        text = f"{head}<!-- {mark} -->\n{said}\n{END}{tail}"
-    return text
+    return filled(PAGE, sizes=_sizes(), costs=_costs(rows))
 
 
 @cache

@@ -26,11 +26,14 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
     os.environ.setdefault(_name, "1")
 
 import numpy as np  # noqa: E402
-from kept_rows import Row, read, write  # noqa: E402
+from filled import filled  # noqa: E402
+from kept_rows import Row, read  # noqa: E402
+
+from contactlab.jobs.rows import write_csv  # noqa: E402
+from contactlab.reports.sheet import Sheet  # noqa: E402
 
 KEPT, PAGE = Path(__file__).with_name("methods.csv"), Path(__file__).parents[2] / "docs" / "methods.md"
 EQUAL = KEPT.with_name("equal_error.csv")
-END: Final = "<!-- end of numbers -->"
 AT_ERRORS: Final = ("case", "contender", "target", "kind", "cost", "level", "coarsest", "why")
 COLUMNS: Final = ("method", "slave", "level", "quantity", "value")
 LEVELS: Final = (1, 2, 4)
@@ -169,7 +172,7 @@ def keep_equal(folder: Path) -> None:
     """Keep costs at equal errors from a folder of `contactlab compare`; cases that are not there stay as they are."""
     found = [{name: row[name] for name in AT_ERRORS} for row in read(folder / "costs.csv")]
     there = {row["case"] for row in found}
-    write(EQUAL, AT_ERRORS, [*(row for row in read(EQUAL) if row["case"] not in there), *found])
+    write_csv(EQUAL, AT_ERRORS, [*(row for row in read(EQUAL) if row["case"] not in there), *found])
 
 
 def _row(method: str, slave: str, level: int, quantity: str, value: Any) -> Row:
@@ -193,17 +196,11 @@ def stored() -> list[Row]:
 
 def page(rows: list[Row], cases: list[Row]) -> str:
     """docs/methods.md with its numbers put in, from those of this script and of the quick matrix."""
-    text = PAGE.read_text(encoding="utf-8")
-    for mark, table in {
-        "pressure": _pressures(rows),
-        "cone": _cones(rows),
-        "cost": _costs(rows),
-        "cases": _cases(cases),
+    tables = {
+        "pressure": _pressures(rows), "cone": _cones(rows), "cost": _costs(rows), "cases": _cases(cases),
         "equal": _equal(read(EQUAL)),
-    }.items():
-        head, rest = text.split(f"<!-- {mark} -->\n")
-        text = f"{head}<!-- {mark} -->\n{table}\n{END}{rest.partition(END)[2]}"
-    return text
+    }  # fmt: skip
+    return filled(PAGE, **{name: table.markdown() for name, table in tables.items()})
 
 
 class _Values:
@@ -216,16 +213,11 @@ class _Values:
         return float(self._found.get((method, slave, str(level), quantity), "nan"))
 
 
-def _table(head: str, lines: list[list[str]]) -> str:
-    rule = "|" + "---|" * head.count("|", 1)
-    return "\n".join([head, rule, *(f"| {' | '.join(line)} |" for line in lines)])
-
-
 def _percent(value: float) -> str:
     return "failed" if np.isnan(value) else f"{100.0 * value:.2g}"
 
 
-def _pressures(rows: list[Row]) -> str:
+def _pressures(rows: list[Row]) -> Sheet:
     """Errors of the pressure by level and slave, their order, and what exchanging the sides changes."""
     value, lines = _Values(rows), []
     for method in METHODS:
@@ -237,10 +229,10 @@ def _pressures(rows: list[Row]) -> str:
             order = np.log(errors[0] / errors[-1]) / np.log(LEVELS[-1] / LEVELS[0])
             line += [", ".join(map(_percent, errors)), "" if np.isnan(order) else f"{order:.1f}"]
         lines.append([*line, ", ".join(_percent(value(method, "", level, "swap")) for level in LEVELS)])
-    return _table("| method | disc slave | order | block slave | order | swap |", lines)
+    return Sheet(("method", "disc slave", "order", "block slave", "order", "swap"), lines)
 
 
-def _cones(rows: list[Row]) -> str:
+def _cones(rows: list[Row]) -> Sheet:
     """Both cones beside each other: errors, the lowest pressure over the largest one, and iterations."""
     value, lines = _Values(rows), []
     for method in METHODS:
@@ -252,7 +244,7 @@ def _cones(rows: list[Row]) -> str:
                 )
                 told = [", ".join(map(_percent, values)) for values in (errors, lowest)]
                 lines.append([_named(method), slave, *told, ", ".join(f"{count:.0f}" for count in iterations)])
-    return _table("| method | slave | error | lowest pressure | iterations |", lines)
+    return Sheet(("method", "slave", "error", "lowest pressure", "iterations"), lines)
 
 
 def _named(method: str) -> str:
@@ -260,7 +252,7 @@ def _named(method: str) -> str:
     return f"`{name}`,{cone}" if cone else f"`{name}`"
 
 
-def _costs(rows: list[Row]) -> str:
+def _costs(rows: list[Row]) -> Sheet:
     """CPU times, and those over the ones of mortar-p0."""
     value, lines = _Values(rows), []
     kinds = list(zip(COSTS, (FINEST, FINEST, 1, 1), (1e3, 1e6, 1e6, 1e6), strict=True))
@@ -271,12 +263,11 @@ def _costs(rows: list[Row]) -> str:
             line.append("" if np.isnan(spent) else f"{scale * spent:.3g} ({spent / base:.2f})")
         if any(line[1:]):
             lines.append(line)
-    return _table(
-        "| method | iteration [ms] | its contact per node [us] | step [us] | its contact per node [us] |", lines
-    )
+    each = "its contact per node [us]"
+    return Sheet(("method", "iteration [ms]", each, "step [us]", each), lines)
 
 
-def _equal(rows: list[Row]) -> str:
+def _equal(rows: list[Row]) -> Sheet:
     """CPU time at each target by contender and case."""
     cases, contenders = (list(dict.fromkeys(row[name] for row in rows)) for name in ("case", "contender"))
     targets = sorted({row["target"] for row in rows}, key=float, reverse=True)
@@ -286,7 +277,7 @@ def _equal(rows: list[Row]) -> str:
         for one in contenders
     ]
     head = " / ".join(_percent(float(target)) for target in targets)
-    return _table("".join(f"| {name} " for name in (f"at {head} %", *cases)) + "|", lines)
+    return Sheet((f"at {head} %", *cases), lines)
 
 
 def _at_errors(costs: list[Row | None]) -> str:
@@ -307,7 +298,7 @@ def _at_error(cost: Row) -> str:
     return f"({best[1]} %)" if best else cost["kind"].replace("-", " ")
 
 
-def _cases(cases: list[Row]) -> str:
+def _cases(cases: list[Row]) -> Sheet:
     """What the quick matrix has: some numbers, and the cases that were not met."""
     lines = []
     for method in dict.fromkeys((*PLAIN, *sorted(row["contact"] for row in cases))):
@@ -318,10 +309,10 @@ def _cases(cases: list[Row]) -> str:
         line += [_largest(own, PENETRATION), _largest(own, SAW), f"{Counter(cells.values())['met']} of {len(cells)}"]
         lines.append([*line, ", ".join(f"{case} ({said})" for case, said in cells.items() if said != "met")])
     head = (
-        "| method | patch: stress | Hertz: L2 | rings: order of pressure | of shear | ironing: iterations "
-        "| deepest penetration, segments | largest saw-tooth | met | others |"
-    )
-    return _table(head, lines)
+        "method", "patch: stress", "Hertz: L2", "rings: order of pressure", "of shear", "ironing: iterations",
+        "deepest penetration, segments", "largest saw-tooth", "met", "others",
+    )  # fmt: skip
+    return Sheet(head, lines)
 
 
 def _largest(rows: list[Row], measure: str) -> str:
@@ -350,7 +341,7 @@ def main() -> None:
         for level in LEVELS:
             rows += accuracies(method, level)
             print(method, level, rows[-1]["value"], flush=True)
-        write(KEPT, COLUMNS, rows)
+        write_csv(KEPT, COLUMNS, rows)
 
 
 if __name__ == "__main__":

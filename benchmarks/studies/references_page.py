@@ -13,6 +13,7 @@ from pathlib import Path
 import kept_rows
 from kept_rows import Row
 
+from contactlab.reports.sheet import Sheet
 from contactlab.studies.make_reference import common_limit, limit
 from contactlab.studies.reference import bundled, load_reference
 
@@ -20,8 +21,8 @@ HERE = Path(__file__).parent
 STORED, TEXT = HERE / "case_references.csv", HERE / "references.md"
 RESOLUTION = {"last closed node [mm]": 0.025}
 """Of a quantity at level 1, to which it cannot be known better however little it changes: a length of a segment."""
-Runs = Mapping[str, Mapping[int, float]]
-"""Values by level of each run, by its name."""
+Cells = tuple[object, ...]
+"""A row of a table."""
 
 
 @dataclass(frozen=True)
@@ -113,70 +114,65 @@ def _limit(run: Mapping[int, float]) -> tuple[float, float]:
 # --- the page ---------------------------------------------------------------------------------------------
 
 
-def curves() -> Iterator[str]:
+def curves() -> Iterator[Cells]:
     """Bundled references: pressures and reactions."""
-    yield "| reference | of runs at level | pressure known to (L2) | reaction [N/mm] |"
-    yield "|---|---|---|---|"
     for name in bundled():
         one = load_reference(name)
         force = one.scalars["reaction"]
         level = one.level or "another code"
-        yield f"| `{name}` | {level} | {one.pressure_uncertainty:.2%} | {force['value']:.6g} +- {force['error']:.2g} |"
+        yield f"`{name}`", level, f"{one.pressure_uncertainty:.2%}", f"{force['value']:.6g} +- {force['error']:.2g}"
 
 
-def values(rows: Sequence[Row]) -> Iterator[str]:
+def values(rows: Sequence[Row]) -> Iterator[Cells]:
     """One line for each quantity."""
-    yield "| case | quantity | value | known to | of it by load steps | contributors at the finest level | CPU min |"
-    yield "|---|---|---|---|---|---|---|"
     last = ""
     for one in found(rows):
         minutes = "" if one.question == last else f"{one.minutes:.1f}"
         steps = f"{one.steps / abs(one.value):.2%}" if one.steps else ""
         who = f"{len(one.own)} at level {one.finest}"
-        yield (
-            f"| {one.question} | {one.quantity} | {one.value:.5g} | {one.error / abs(one.value):.2%} | {steps} | {who} "
-            f"| {minutes} |"
-        )
+        known = f"{one.error / abs(one.value):.2%}"
+        yield one.question, one.quantity, f"{one.value:.5g}", known, steps, who, minutes
         last = one.question
 
 
-def contributors(rows: Sequence[Row]) -> Iterator[str]:
+def contributors(rows: Sequence[Row]) -> Iterator[Cells]:
     """The limit of each run, and of those that are not in the mean as they end earlier."""
-    yield "| case | quantity | run | its own limit | off the value |"
-    yield "|---|---|---|---|---|"
     for one in found(rows):
         for name, (value, error) in {**one.own, **one.others}.items():
             beside = " (beside the mean: its finest level is coarser)" if name in one.others else ""
             off = f"{value / one.value - 1.0:+.2%}"
-            yield f"| {one.question} | {one.quantity} | {name}{beside} | {value:.5g} +- {error:.2g} | {off} |"
+            yield one.question, one.quantity, f"{name}{beside}", f"{value:.5g} +- {error:.2g}", off
 
 
-def tried(rows: Sequence[Row]) -> Iterator[str]:
+def tried(rows: Sequence[Row]) -> Iterator[Cells]:
     """The rule with coarser levels alone, against the value with all."""
-    yield "| case | quantity | finest level | error by the rule | distance from the value | held |"
-    yield "|---|---|---|---|---|---|"
     for one in found(rows):
         for level, (value, error) in one.by_level.items():
             off = abs(value - one.value)
-            yield (
-                f"| {one.question} | {one.quantity} | {level} | {error / abs(one.value):.2%} "
-                f"| {off / abs(one.value):.2%} | {'yes' if off <= error else '**no**'} |"
-            )
+            shares = f"{error / abs(one.value):.2%}", f"{off / abs(one.value):.2%}"
+            yield one.question, one.quantity, level, *shares, "yes" if off <= error else "**no**"
 
 
-def failures(rows: Sequence[Row]) -> Iterator[str]:
+def failures(rows: Sequence[Row]) -> list[str]:
     """Runs that did not come to their end."""
-    lines = {f"- {one.question}: {text}" for one in found(rows) for text in one.failed}
-    yield from sorted(lines) or ["- none"]
+    return sorted({f"- {one.question}: {text}" for one in found(rows) for text in one.failed}) or ["- none"]
+
+
+HEADS = {
+    "curves": ("reference", "of runs at level", "pressure known to (L2)", "reaction [N/mm]"),
+    "values": (
+        "case", "quantity", "value", "known to", "of it by load steps", "contributors at the finest level", "CPU min"
+    ),
+    "contributors": ("case", "quantity", "run", "its own limit", "off the value"),
+    "tried": ("case", "quantity", "finest level", "error by the rule", "distance from the value", "held"),
+}  # fmt: skip
 
 
 def page(rows: Sequence[Row]) -> str:
     """The page of these rows."""
-    parts = {
-        "curves": curves(), "values": values(rows), "contributors": contributors(rows), "tried": tried(rows),
-        "failures": failures(rows),
-    }  # fmt: skip
+    tables = {"curves": curves(), "values": values(rows), "contributors": contributors(rows), "tried": tried(rows)}
+    parts = {name: Sheet(HEADS[name], lines).markdown() for name, lines in tables.items()}
     text = TEXT.read_text(encoding="utf-8")
-    for name, lines in parts.items():
-        text = text.replace(f"<!-- {name} -->", "\n".join(lines))
+    for name, part in (parts | {"failures": "\n".join(failures(rows))}).items():
+        text = text.replace(f"<!-- {name} -->", part)
     return text

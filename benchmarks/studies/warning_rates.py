@@ -21,18 +21,19 @@ from pathlib import Path
 from typing import Any
 
 import case_rows
-import kept_rows
+from filled import filled
 
 from contactlab.jobs.archive import Archive
 from contactlab.jobs.driver import Driver
+from contactlab.jobs.rows import write_csv
 from contactlab.parts.registry import default_registry
+from contactlab.reports.sheet import Sheet
 from contactlab.verdicts.cell import cell_plan, keep
 from contactlab.verdicts.plan import Cell, Request
 
 HERE = Path(__file__).parent
 PAGE = HERE.parents[1] / "docs" / "warnings.md"
 STORED = HERE / "warning_rates.csv"
-BEGIN, END = "<!-- rates -->\n", "<!-- end of rates -->"
 KEYS = ("code", "alarms", "right", "own", "lacking", "mortars", "nodes")
 NODES = "node-on-segment"
 SEED = 2005
@@ -120,20 +121,13 @@ def rates(cells: list[Judged]) -> list[dict[str, str]]:
 
 def table(rows: list[dict[str, str]]) -> str:
     """The table as Markdown."""
-    head = "| code | finished cells that carry it | right | own number alone | share right | lack it |\n"
-    head += "|---|---|---|---|---|---|\n"
-    text = ""
+    heads = ("code", "finished cells that carry it", "right", "own number alone", "share right", "lack it")
+    lines = []
     for row in rows:
         alarms, right = int(row["alarms"]), int(row["right"])
         share = f"{right / alarms:.0%}" if alarms else ""
-        text += f"| `{row['code']}` | {alarms} | {right} | {row['own']} | {share} | {row['lacking']} |\n"
-    return head + text
-
-
-def page(rows: list[dict[str, str]]) -> str:
-    """docs/warnings.md with the table put in."""
-    head, _, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
-    return f"{head}{BEGIN}{table(rows)}{END}{rest.partition(END)[2]}"
+        lines.append([f"`{row['code']}`", alarms, right, row["own"], share, row["lacking"]])
+    return Sheet(heads, lines).markdown()
 
 
 def main() -> None:
@@ -156,8 +150,8 @@ def main() -> None:
     rows = rates(found)
     print(f"{len(found)} finished cells\n{table(rows)}")
     if options.write:
-        kept_rows.write(STORED, KEYS, rows)
-        PAGE.write_text(page(rows), encoding="utf-8")
+        write_csv(STORED, KEYS, rows)
+        PAGE.write_text(filled(PAGE, rates=table(rows)), encoding="utf-8")
 
 
 if __name__ == "__main__":

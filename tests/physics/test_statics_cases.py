@@ -1,41 +1,47 @@
 """Static contact with exact or published answers, where the quick matrix (test_hard_cases.py) does not go.
 
-Other friction, the other slave, and what a run must refuse. Scenes are those of `benchmarks/studies/statics`.
+Other friction, the other slave, and what a run must refuse.
 """
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
-from statics import common, ironing, plates
+from contactlab_cases.ironing import PUBLISHED, Ironing
+from contactlab_cases.pulled_block import PulledBlock
+from contactlab_cases.rough_plate import RoughPlate
 
-from contactlab.api import Floats
+from contactlab.api import Case, Floats, Setup
+from contactlab.cases.run_case import scene_of
+from contactlab.results.results import Results
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene
-from contactlab.testing.cases.figures import Figure
 
 
-def values(figures: list[Figure]) -> dict[str, float]:
-    """Numbers by what was measured."""
-    return {figure.says: figure.value for figure in figures}
+def runs_of(case: Case, algorithm: str, swap: bool = False, **changes: Any) -> list[Results]:
+    """All runs of a case in statics."""
+    jobs = case.plan(Setup(algorithm, swap, "q1", "newton", 1), {})
+    return [simulate(scene_of(job).with_(changes)) for job in jobs]
 
 
 @pytest.mark.parametrize("mu", [2.0, 5.0, 20.0])
 def test_high_friction(mu: float) -> None:
     """Equilibria are found with any friction that a user may mean; with mu = 5 the corner lifts off up to 7.5 mm."""
-    results = simulate(plates.plate("mortar-p0", mu))
+    (results,) = runs_of(RoughPlate(mu), "mortar-p0")
     assert results.status == "finished"
     assert results.summary["iterations"] <= 12
     contact = results.summary["contacts"]["contacts.0"]
     assert contact["cone_violation"] < 1e-8
     if mu == 5.0:
-        assert values(plates.plate_figures(results))["open until mm"] == pytest.approx(7.5, abs=1.25)
+        curve = results.contact["contacts.0"].last
+        assert curve.x[curve.state == 0].max() == pytest.approx(7.5e-3, abs=1.25e-3)
 
 
 def test_absurd_friction_is_never_accepted_silently() -> None:
     """mu = 1000: the iteration fails, and the run says so after the shortest step."""
-    scene = plates.plate("mortar-p0", 1000.0, cells=8)
-    results = simulate(scene)
+    (results,) = runs_of(RoughPlate(1000.0, cells=8), "mortar-p0")
     if results.status == "finished":
         assert results.summary["contacts"]["contacts.0"]["cone_violation"] < 1e-8
     else:
@@ -49,9 +55,8 @@ def test_a_block_that_only_friction_holds(algorithm: str, poisson: float, mu: fl
 
     Before the first touch has a force, friction has no bound: nothing would keep the block from flying away.
     """
-    results, unlimited = (
-        simulate(plates.pulled_block(algorithm, value, 90.0 * mu, poisson, cells=8)) for value in (mu, 1e9)
-    )
+    coarse = {"bodies.block.mesh.cells": [8, 8]}
+    results, unlimited = runs_of(PulledBlock(mu, poisson), algorithm, **coarse)
     assert results.status == unlimited.status == "finished", results.reason
     pull, weight = results.summary["reactions"]["plane"]
     np.testing.assert_allclose([-pull, weight], [900.0 * mu, 1000.0], rtol=1e-6)
@@ -63,29 +68,29 @@ def test_a_block_that_only_friction_holds(algorithm: str, poisson: float, mu: fl
 
 def test_a_body_that_nothing_holds_is_not_in_balance() -> None:
     """Pulled without friction, the block has no equilibrium: the run must not end well."""
-    scene = plates.pulled_block("mortar-p0", 0.0, 90.0, cells=4)
-    assert simulate(scene).status == "not-converged"
+    free = {"bodies.block.mesh.cells": [4, 4], "contacts.0.friction.mu": 0.0}
+    assert runs_of(PulledBlock(1.0, 0.3), "mortar-p0", **free)[0].status == "not-converged"
 
 
-def coarse_ironing(algorithm: str, swap: bool) -> ironing.Forces:
-    """On half of the published cells, 1.2 mm of sliding."""
-    coarse = {"bodies.block.mesh.cells": [7, 6], "bodies.foundation.mesh.cells": [60, 15]}
-    return ironing.forces(ironing.ironing(algorithm, swap, steps=32, slide=1.2).with_(coarse), 1.2)
+def ironed(algorithm: str, swap: bool) -> tuple[float, float]:
+    """Forces of 1.2 mm of sliding: vertical and horizontal at the end, in the range of published ones.
 
-
-def assert_published(found: ironing.Forces) -> None:
-    """The vertical force is still on its way from that of the press to that of sliding, 1.15 to 1.3 times as large."""
-    least, most = ironing.PUBLISHED["end of press"]
-    assert least <= found.pressed <= most
-    assert 1.1 < found.vertical[-1] / found.pressed < 1.35
-    assert 0.28 < found.horizontal[-1] / found.vertical[-1] < 0.53
+    The vertical force is still on its way from that of the press to that of sliding, 1.15 to 1.3 times as large.
+    """
+    (results,) = runs_of(Ironing(slide=1.2), algorithm, swap)
+    assert results.status == "finished"
+    time, fx, fy = (np.asarray(results.history[name]) for name in ("time", "block.top.fx", "block.top.fy"))
+    least, most = PUBLISHED["end of press"]
+    pressed = float(np.interp(1.0, time, -fy))
+    assert least <= pressed <= most
+    assert 1.1 < -fy[-1] / pressed < 1.35
+    return float(-fy[-1]), float(fx[-1])
 
 
 def test_ironing_with_the_foundation_as_slave() -> None:
     """Coarse and short of the whole path: forces in the range of the published ones."""
-    found = coarse_ironing("mortar-p0", True)
-    assert found.status == "finished"
-    assert_published(found)
+    vertical, horizontal = ironed("mortar-p0", True)
+    assert 0.28 < horizontal / vertical < 0.53
 
 
 def test_ironing_with_slivers_of_cover_at_the_rim() -> None:
@@ -94,10 +99,9 @@ def test_ironing_with_slivers_of_cover_at_the_rim() -> None:
     Forces are those of the other side as slave, to what the two discretisations differ by (1 % is seen), and the
     pressures that belong to slivers are shown four times too large; forces are right.
     """
-    found = coarse_ironing("mortar-p1", True)
-    assert_published(found)
-    assert found.vertical[-1] == pytest.approx(coarse_ironing("mortar-p1", False).vertical[-1], rel=0.03)
-    assert found.status == "finished"
+    vertical, horizontal = ironed("mortar-p1", True)
+    assert 0.28 < horizontal / vertical < 0.53
+    assert vertical == pytest.approx(ironed("mortar-p1", False)[0], rel=0.03)
 
 
 def test_steps_end_where_the_loading_turns() -> None:
@@ -135,12 +139,3 @@ def test_bodies_that_only_move_are_in_balance() -> None:
     results = simulate(Scene.from_data(data))
     assert results.status == "finished", results.reason
     np.testing.assert_allclose(results.displacement, np.tile([30.0, -0.3], (49, 1)), rtol=1e-9)
-
-
-def test_high_pass_of_a_force() -> None:
-    """A saw-tooth of known height on a slope is found again; the slope is not."""
-    along = np.linspace(0.0, 10.0, 2001)
-    wave = 2.0 * np.sin(2.0 * np.pi * along / 0.1)
-    assert ironing.saw_tooth(along, 100.0 + 3.0 * along, 0.1, 2.0, 8.0) < 1e-3
-    assert ironing.saw_tooth(along, 100.0 + wave, 0.1, 2.0, 8.0) == pytest.approx(0.02, rel=0.05)
-    assert common.percent("x", 0.5).value == 50.0

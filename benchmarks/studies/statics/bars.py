@@ -1,4 +1,4 @@
-"""Implicit dynamics with exact answers: a bar on a wall, a bouncing bar, two beams, a block that comes to rest."""
+"""Implicit dynamics with exact answers: a bar on a wall, and one that falls and bounces."""
 
 from __future__ import annotations
 
@@ -118,9 +118,3 @@ def bouncing_bar(cells: int, courant: float, periods: float) -> Record:
         axis=1,
         weight=10.0,
     )
-
-
-# --- two beams, one clamped: SDNL111 of Code_Aster --------------------------------------------------
-
-BEAM = {"young": 2e11, "poisson": 0.3, "density": 7800.0}  # N, m, kg, s
-PUBLISHED = {2e-4: -1.05e-4, 4e-4: -1.554199e-4, 6e-4: -5.541991e-5, 8e-4: 9.916018e-5, 1e-3: 2.991602e-4}
