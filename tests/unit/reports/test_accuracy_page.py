@@ -43,7 +43,7 @@ ASK = """<script>addEventListener("load", () => setTimeout(() => {
   told.pages = shown().page.filter(Boolean);
   const field = document.querySelector("input[data-table=targets]");
   field.value = "q2 explicit"; field.dispatchEvent(new Event("input"));
-  told.rows = [...document.querySelectorAll(".t0 tbody tr")].filter((row) => !row.hidden).length;
+  told.rows = [...document.querySelectorAll(".t0 tbody")].filter((row) => !row.hidden).length;
   document.title = JSON.stringify(told);
 }, 500));</script>"""
 
