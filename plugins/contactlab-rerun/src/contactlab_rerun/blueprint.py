@@ -199,7 +199,7 @@ def _solver_views(shown: Sequence[Shown]) -> list[rrb.View | None]:
     length = _in(_units(shown).length)
     alone = len(shown) == 1
     return [
-        _series_view(shown, "solver", "sweeps per step", ("sweeps",)),
+        _series_view(shown, "solver", "Gauss-Seidel iterations per step", ("sweeps",)),
         _series_view(shown, "solver", "iterations per step", ("iterations",)),
         _series_view(shown, "nodes", "nodes in contact", ("active", "sticking"), legend=alone),
         _series_view(shown, "violation", f"contact condition violated{length}"),
