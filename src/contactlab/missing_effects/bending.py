@@ -129,7 +129,7 @@ def _bent(forces: BodyForces, reference: Floats, displacement: Floats) -> Iterat
     """
     body = forces.body
     rule = body.element.quadrature()
-    centre = body.element.shape(np.zeros((1, 2))).gradient[0]
+    centre = body.shape_gradients(np.zeros((1, 2)))[0]
     for block in forces.current():
         before = reference[block.connectivity]
         now = before + displacement[block.connectivity]

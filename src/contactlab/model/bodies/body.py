@@ -41,6 +41,17 @@ class Body:
         """Quadrature points per cell."""
         return len(self.element.quadrature().weights)
 
+    def shape_gradients(self, points: Floats) -> Floats:
+        """Gradients (s, a, 2) of the shape functions at reference points (s, 2), kept for frames that ask again."""
+        key = points.tobytes()
+        if key not in self._gradients:
+            self._gradients[key] = np.ascontiguousarray(self.element.shape(points).gradient)
+        return self._gradients[key]
+
+    @cached_property
+    def _gradients(self) -> dict[bytes, Floats]:
+        return {}
+
     @cached_property
     def shear_modulus(self) -> float:
         """Shear modulus [MPa] of the undeformed material."""
@@ -232,7 +243,7 @@ class BodyForces:
         return self._determinants(self.geometry, block, points)
 
     def _determinants(self, positions: Floats, block: Block, points: Floats) -> Floats:
-        derivatives = np.ascontiguousarray(self.body.element.shape(points).gradient)
+        derivatives = self.body.shape_gradients(points)
         out = np.empty((len(points), block.connectivity.shape[1]))
         jacobian_determinants(positions, block.connectivity, derivatives, out)
         return out
