@@ -33,7 +33,7 @@ def of_page(*changes: str) -> Any:
     return space["GeneralisedAlpha"]
 
 
-SLOW = (  # ten thousand steps; the amplification is tested below, contact by the balances
+SLOW = (  # thousands of steps; the amplification is tested below, contact by the balances
     integrator.energy_is_bounded, integrator_contact.contact_makes_no_energy,
     integrator_contact.friction_takes_the_energy_of_what_slides,
 )  # fmt: skip
