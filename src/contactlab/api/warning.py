@@ -62,14 +62,15 @@ class Warnings:
     def __len__(self) -> int:
         return len(self._found)
 
-    def add(self, warning: RunWarning) -> None:
-        """Keep a warning; it replaces one of the same code and key unless that was worse."""
-        name = warning.code, warning.key
-        before = self._found.get(name)
-        if before is None:
-            self._untold.append(name)
-        if before is None or warning.excess >= before.excess:
-            self._found[name] = warning
+    def add(self, *warnings: RunWarning) -> None:
+        """Keep warnings; each replaces one of the same code and key unless that was worse."""
+        for warning in warnings:
+            name = warning.code, warning.key
+            before = self._found.get(name)
+            if before is None:
+                self._untold.append(name)
+            if before is None or warning.excess >= before.excess:
+                self._found[name] = warning
 
     def untold(self) -> list[RunWarning]:
         """Those added since the last call, with their present values."""

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Protocol
 
-import numpy as np
-
 from contactlab.api import Floats, RunWarning
 
 
@@ -28,20 +26,6 @@ class Detector(Protocol):
 
     def warning(self) -> RunWarning | None:
         """The warning of what is missing by what was seen so far, None where nothing is."""
-
-
-class Known:
-    """Something missing that the model shows when it is built."""
-
-    def __init__(self, warning: RunWarning) -> None:
-        self.found, self.worst = warning, np.zeros(0)
-
-    def update(self) -> None:
-        """Do nothing: what is missing does not depend on the state."""
-
-    def warning(self) -> RunWarning:
-        """The warning that was found when the run began."""
-        return self.found
 
 
 Detectors = Iterator[Detector]

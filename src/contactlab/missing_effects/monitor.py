@@ -47,10 +47,7 @@ class EffectMonitor:
         self._add(self.late)
 
     def _add(self, detectors: list[Detector]) -> None:
-        for detector in detectors:
-            warning = detector.warning()
-            if warning is not None:
-                self.warnings.add(warning)
+        self.warnings.add(*filter(None, (detector.warning() for detector in detectors)))
 
     def saved(self) -> dict[str, Floats]:
         """Everything that changes while the run goes on."""

@@ -90,8 +90,7 @@ def _built(scene: Scene, registry: Registry) -> Model:
         loading=Loading(supports.sets, (*loads, *effects), effects),
         increment=increment,
     )
-    for warning in (*timing.told, *told):
-        model.warnings.add(warning)
+    model.warnings.add(*timing.told, *told)
     model.start.mirror = _mirror(scene, bodies, reference)
     model.internal_force(0.0)
     if model.explicit and effects:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -45,13 +46,11 @@ def judge(model: Model, sample: Sample | None, closed: Flags, largest_force: flo
     for pair in model.contact.pairs if model.contact is not None else ():
         report = sample.contacts[pair.name]
         if not closed[pair.own].any():
-            _never_closed(model, pair, report)
+            model.warnings.add(_never_closed(model, pair, report))
         elif report.largest > ROUND * largest_force:
-            _judge_facets(model, pair, report.curve)
-            _judge_peak(model, pair, report.curve)
+            model.warnings.add(*_coarse_facets(model, pair, report.curve), *_few_nodes(model, pair, report.curve))
             _judge_friction(model, pair)
-            for warning in end_lengths(model, pair):
-                model.warnings.add(warning)
+            model.warnings.add(*end_lengths(model, pair))
             # on flat sides that do not match, distances of nodes are no error: their averages are zero
             sides = pair.slave, pair.master
             judged = not model.integrator.inertia and pair.start_distance is None
@@ -61,29 +60,24 @@ def judge(model: Model, sample: Sample | None, closed: Flags, largest_force: flo
             if np.count_nonzero(pressed) >= ENOUGH:  # of one or two conditions the force alone is known
                 _judge_pressure(pair.name, report.force_error(report.covered_integral), sample.step)
     if curved:
-        _judge_distances(model, curved, sample.energies["stored"] + sample.energies["plastic"])
+        model.warnings.add(*_kept_gaps(model, curved, sample.energies["stored"] + sample.energies["plastic"]))
 
 
-def _never_closed(model: Model, pair: ContactPair, report: ContactReport) -> None:
+def _never_closed(model: Model, pair: ContactPair, report: ContactReport) -> RunWarning:
     if report.max_penetration > 0.0:
-        model.warnings.add(
-            RunWarning(
-                "open-contact", -report.max_penetration, 0.0, pair.name,
-                f"{pair.name}: no force in any step, yet the {report.penetrating_side} lies up to "
-                f"{report.max_penetration:.4g} within the other side at the end: facets overlap where no condition of "
-                "the algorithm closes; try finer cells, or another algorithm",
-            )
+        return RunWarning(
+            "open-contact", -report.max_penetration, 0.0, pair.name,
+            f"{pair.name}: no force in any step, yet the {report.penetrating_side} lies up to "
+            f"{report.max_penetration:.4g} within the other side at the end: facets overlap where no condition of "
+            "the algorithm closes; try finer cells, or another algorithm",
         )  # fmt: skip
-        return
     apart, _ = _nearest(model.position[pair.slave.nodes], model.position[pair.master.nodes])
     place = _place(model, model.position[pair.slave.nodes[apart.argmin()]])
-    model.warnings.add(
-        RunWarning(
-            "open-contact", float(apart.min()), 0.0, pair.name,
-            f"{pair.name}: no force in any step; the nearest nodes of both sides are {apart.min():.4g} apart at the "
-            f"end, at {place}; check which way and how far supports and loads move the bodies, or take out "
-            "the contact",
-        )
+    return RunWarning(
+        "open-contact", float(apart.min()), 0.0, pair.name,
+        f"{pair.name}: no force in any step; the nearest nodes of both sides are {apart.min():.4g} apart at the "
+        f"end, at {place}; check which way and how far supports and loads move the bodies, or take out "
+        "the contact",
     )  # fmt: skip
 
 
@@ -121,12 +115,12 @@ def _judge_friction(model: Model, pair: ContactPair) -> None:
 # --- facets -----------------------------------------------------------------------------------------
 
 
-def _judge_facets(model: Model, pair: ContactPair, curve: ContactCurve) -> None:
+def _coarse_facets(model: Model, pair: ContactPair, curve: ContactCurve) -> Iterator[RunWarning]:
     """How deep the facets of a curved pair are where it presses, against how far its surfaces came together there."""
     if pair.start_distance is not None or pair.smooth is not None:
         return  # what facets are deep by is no gap
     if _few_between_open_ones(curve):
-        return  # of a disc on a plane the mean pressure is right to 1 % with three nodes; see `_judge_peak`
+        return  # of a disc on a plane the mean pressure is right to 1 % with three nodes; see `_few_nodes`
     force = model.state["multipliers"][0, pair.own]
     pressed = np.flatnonzero(force.reshape(pair.rows_per_node, -1).max(axis=0) > 0.0).astype(np.int32)
     if not len(pressed):
@@ -148,18 +142,16 @@ def _judge_facets(model: Model, pair: ContactPair, curve: ContactCurve) -> None:
     curves = isinstance(pair.method, SegmentContact) and pair.slave.edges.shape[1] == pair.master.edges.shape[1] == 2
     smooth = "smooth = true of the contact, or " if curves else ""
     low = f", the mean pressure of a fit is about {0.45 * depth / approach:.0%} too low" if depth <= approach else ""
-    model.warnings.add(
-        RunWarning(
-            "coarse-facets", depth, FACETS * approach, f"{pair.name}.smooth" if curves else "level",
-            f"{pair.name}: the facets of its curved surfaces are {depth:.3g} deep where they press, from "
-            f"{_place(model, model.position[slave[0]])} on, and the surfaces came together by {approach:.3g} (limit "
-            f"{FACETS:.0%} of that): the pressure swings from node to node{low}; take {smooth}cells that are {finer} "
-            "times finer along both surfaces (level; from a mesh file, second-order cells or a finer mesh)",
-        )
+    yield RunWarning(
+        "coarse-facets", depth, FACETS * approach, f"{pair.name}.smooth" if curves else "level",
+        f"{pair.name}: the facets of its curved surfaces are {depth:.3g} deep where they press, from "
+        f"{_place(model, model.position[slave[0]])} on, and the surfaces came together by {approach:.3g} (limit "
+        f"{FACETS:.0%} of that): the pressure swings from node to node{low}; take {smooth}cells that are {finer} "
+        "times finer along both surfaces (level; from a mesh file, second-order cells or a finer mesh)",
     )  # fmt: skip
 
 
-def _judge_peak(model: Model, pair: ContactPair, curve: ContactCurve) -> None:
+def _few_nodes(model: Model, pair: ContactPair, curve: ContactCurve) -> Iterator[RunWarning]:
     """Whether enough nodes carry the peak of a pressure that falls to zero on both sides of it.
 
     Multipliers and nodal forces over the length that is covered are two pressures of the same forces, which agree
@@ -178,17 +170,15 @@ def _judge_peak(model: Model, pair: ContactPair, curve: ContactCurve) -> None:
         return
     place = _place(model, np.array([curve.x[peak], curve.y[peak]]))
     carried = "1 node carries" if first == last else f"{last - first + 1} nodes carry"
-    model.warnings.add(
-        RunWarning(
-            "few-nodes", highest / nodal - 1.0, PEAK, f"{pair.name}.slave",
-            f"{pair.name}: {carried} the pressure around {place}, too few for its peak: "
-            f"multipliers reach {highest:.4g}, nodal pressures {nodal:.4g}, {highest / nodal - 1.0:.0%} apart "
-            f"(limit {PEAK:.0%}); take cells of the slave half as long there",
-        )
+    yield RunWarning(
+        "few-nodes", highest / nodal - 1.0, PEAK, f"{pair.name}.slave",
+        f"{pair.name}: {carried} the pressure around {place}, too few for its peak: "
+        f"multipliers reach {highest:.4g}, nodal pressures {nodal:.4g}, {highest / nodal - 1.0:.0%} apart "
+        f"(limit {PEAK:.0%}); take cells of the slave half as long there",
     )  # fmt: skip
 
 
-def _judge_distances(model: Model, pairs: list[ContactPair], stored: float) -> None:
+def _kept_gaps(model: Model, pairs: list[ContactPair], stored: float) -> Iterator[RunWarning]:
     """Whether pressed nodes stand off the curve of the other side or lie within it, and what that changes."""
     from contactlab.run.kept_gap import HIGH, kept_gaps
 
@@ -199,14 +189,12 @@ def _judge_distances(model: Model, pairs: list[ContactPair], stored: float) -> N
         off = f"{abs(one.apart):.3g} {'off' if one.apart > 0.0 else 'within'}"
         told = [f"its force is {abs(one.share):.1%} too {size}"] if abs(one.share) > HIGH else []
         told += [f"displacements are off by up to {one.moved:.1%} of the largest"] if one.moved > HIGH else []
-        model.warnings.add(
-            RunWarning(
-                "kept-gap", abs(one.share) if abs(one.share) > HIGH else one.moved, HIGH, f"{one.pair.name}.slave",
-                f"{one.pair.name}: as gaps are those of facets and averaged over segments, pressed nodes are up to "
-                f"{off} the curve of the other side, at {_place(model, model.position[one.node])}: "
-                f"{' and '.join(told)} (limit {HIGH:.0%}); take cells of both sides half as long there, which makes it "
-                "a quarter",
-            )
+        yield RunWarning(
+            "kept-gap", abs(one.share) if abs(one.share) > HIGH else one.moved, HIGH, f"{one.pair.name}.slave",
+            f"{one.pair.name}: as gaps are those of facets and averaged over segments, pressed nodes are up to "
+            f"{off} the curve of the other side, at {_place(model, model.position[one.node])}: "
+            f"{' and '.join(told)} (limit {HIGH:.0%}); take cells of both sides half as long there, which makes it "
+            "a quarter",
         )  # fmt: skip
 
 

@@ -345,16 +345,13 @@ class LoadSchedule(Schedule):
         super().verdict()
         key = "integrator.steps" if self.fixed is None else "time.step"
         if self.friction_error is not None:
-            for warning in self.friction_error.warnings(key, self.fixed or 1.0 / self.wished):
-                self.model.warnings.add(warning)
+            self.model.warnings.add(*self.friction_error.warnings(key, self.fixed or 1.0 / self.wished))
         if self.contact_times is not None:
-            for warning in self.contact_times.warnings(key):
-                self.model.warnings.add(warning)
+            self.model.warnings.add(*self.contact_times.warnings(key))
         total = self._dissipation()
         little = total <= LITTLE * float(np.abs(self.state["work"]).max())
         if not (little or self.model.integrator.inertia):
-            for warning in self._few_steps():
-                self.model.warnings.add(warning)
+            self.model.warnings.add(*self._few_steps())
         if self.stabilised and self.jumped > MUCH * total and not little:
             self.model.warnings.add(RunWarning(
                 "stabilised", self.jumped / total, MUCH, "integrator.steps",

@@ -90,8 +90,7 @@ class NestedStart:
         _hand_over(coarse, found, self.model)
         self.solved = coarse is not None
         if coarse is not None:
-            for warning in unstable(coarse, f" on the mesh of level {self.levels[-1].level}"):
-                self.model.warnings.add(warning)
+            self.model.warnings.add(*unstable(coarse, f" on the mesh of level {self.levels[-1].level}"))
 
     def summary(self) -> list[dict[str, Any]]:
         """The levels as plain tables; what they cost is part of the run's cost."""

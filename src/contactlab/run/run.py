@@ -161,8 +161,8 @@ class Run:
         self.guards.judge(self.journal.last, self.journal.largest_force)
         self.monitor.judge()
         self._judge_stability()
-        for warning in self.attempts.warnings(self.model) if self.attempts is not None else ():
-            self.model.warnings.add(warning)
+        if self.attempts is not None:
+            self.model.warnings.add(*self.attempts.warnings(self.model))
         # conditions made again differ in their last digits from those of the step, of which the saved warnings speak
         self.model.warnings.keep(known)
 
@@ -177,8 +177,7 @@ class Run:
             return
         from contactlab.run.stability import unstable
 
-        for warning in unstable(cast("ImplicitModel", self.model)):
-            self.model.warnings.add(warning)
+        self.model.warnings.add(*unstable(cast("ImplicitModel", self.model)))
 
     def _look_again(self) -> None:
         """Sample a run that was taken up at its very last frame."""

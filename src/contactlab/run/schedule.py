@@ -49,8 +49,8 @@ class Schedule:
         self.next_sample = self.timing.last
         self.samples: deque[tuple[float, float]] = deque(maxlen=SAMPLES + 1)
         self.settled = False
-        for warning in self._too_coarse() if self.swings else ():
-            model.warnings.add(warning)
+        if self.swings:
+            model.warnings.add(*self._too_coarse())
 
     def _too_coarse(self) -> Iterator[RunWarning]:
         """Warnings of values that go to and fro faster than steps and frames can show."""

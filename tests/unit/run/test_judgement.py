@@ -227,8 +227,7 @@ def test_facets_that_overlap_where_nothing_closes_are_not_called_apart() -> None
     model = build(pressed(0.05), default_registry())
     report = take_sample(model, 0, 1.0).contacts["contacts.0"]
     deep = replace(report, max_penetration=0.02, penetrating_side="master")
-    judgement._never_closed(model, model.contact.pairs[0], deep)
-    (warning,) = [one for one in model.warnings if one.code == "open-contact"]
+    warning = judgement._never_closed(model, model.contact.pairs[0], deep)
     assert (warning.code, warning.value) == ("open-contact", -0.02)
     assert "the master lies up to 0.02 within the other side" in warning.text
 
