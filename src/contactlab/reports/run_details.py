@@ -6,15 +6,15 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
-from rich import box
 from rich.console import Group, RenderableType
-from rich.table import Table
 from rich.text import Text
 
 from contactlab.api.drawing.units import Units
 from contactlab.api.thinning import Thinning
 from contactlab.reports.numbers import percent, significant
 from contactlab.reports.run import moment, number, vector
+from contactlab.reports.sheet import Cell, Column, Sheet
+from contactlab.reports.sheet import Line as Row
 from contactlab.results.force_curve import THE_END_ONLY
 from contactlab.results.results import Results
 from contactlab.studies.measure_run import reaction_against_pressure
@@ -41,19 +41,16 @@ def render_details(results: Results, scene: Mapping[str, Any], verbose: bool, pr
         groups["cost"] = list(_cost_lines(cost))
         if apart := why_apart(number(cost.get("run_cpu_s")), number(cost.get("run_wall_s"))):
             notes.append(f"Wall time of the steps is {apart}.")
-    return Group(_draw({name: lines for name, lines in groups.items() if lines}), *map(Text, notes))
+    return Group(_sheet({name: lines for name, lines in groups.items() if lines}), *map(Text, notes))
 
 
-def _draw(groups: Mapping[str, list[Line]]) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, show_header=False, pad_edge=False)
-    table.add_column()
-    table.add_column(justify="right")
-    table.add_column(style="dim")
-    for name, lines in groups.items():
-        table.add_row(Text(name, style="bold"))
-        for line in lines:
-            table.add_row(*map(Text, line), end_section=line is lines[-1])
-    return table
+def _sheet(groups: Mapping[str, list[Line]]) -> Sheet:
+    rows: list[Row] = []
+    for title, lines in groups.items():
+        rows.append(Row([Cell(title, kind="title"), "", ""]))
+        rows += [Row([name, value, Cell(unit, kind="unit")], ends=n == len(lines))
+                 for n, (name, value, unit) in enumerate(lines, start=1)]  # fmt: skip
+    return Sheet([Column("", keep=True), Column("", number=True, keep=True), Column("", keep=True)], rows)
 
 
 def _groups(results: Results, scene: Mapping[str, Any]) -> dict[str, list[Line]]:

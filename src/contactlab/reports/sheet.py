@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 STYLES = {
     "finished": "green", "cheapest": "bold green", "tied": "green", "not-converged": "yellow", "grey": "dim",
-    "not-run": "dim", "missed": "yellow", "silent": "bold red",
+    "not-run": "dim", "title": "bold", "unit": "dim", "missed": "yellow", "silent": "bold red",
     **dict.fromkeys(("failed", "diverged", "refused", "interrupted", "timed-out"), "red"),
 }  # fmt: skip
 """Styles of a terminal for kinds of cells; on a page kinds are classes."""

@@ -12,14 +12,8 @@ from typing import Any
 from contactlab.api.contact_steps import contact_record
 from contactlab.api.frame import Layout
 
-BUDGET = 64.0  # MB of one run, where the scene names none
 MEGABYTE = 1e6
 SURE = 0.75  # of the rows of a budget are kept one by one, before some are left out
-
-
-def budget_of(record: Any) -> float:
-    """Budget of a run [MB], from its table `[record]`."""
-    return BUDGET if record.budget is None else float(record.budget)
 
 
 @dataclass(frozen=True)
