@@ -19,18 +19,16 @@ from pathlib import Path
 from time import process_time
 from typing import Any
 
-import kept_rows
 import numpy as np
 from contactlab_cases.disc_with_friction import DEEP, SHALLOW, DiscWithFriction
 from contactlab_cases.forging import Forging
 from contactlab_cases.ironing import Ironing
 from contactlab_cases.taylor_bar import TaylorBar
 from contactlab_cases.tresca_block import TrescaBlock
-from kept_rows import Row
 
 from contactlab.api import Case, Job, Record, Setup
 from contactlab.cases.run_case import run_job, scene_of
-from contactlab.jobs.rows import write_csv
+from contactlab.jobs.rows import Row, read_csv, write_csv
 
 HERE = Path(__file__).parent
 STORED = HERE / "case_references.csv"
@@ -178,7 +176,7 @@ def make(name: str, finest: int, most: float, algorithms: Sequence[str]) -> None
     question = QUESTIONS[name]
     for level in (level for level in question.levels if level <= finest):
         for run in contributors(question, level):
-            rows = kept_rows.read(STORED)
+            rows = read_csv(STORED)
             own = [row for row in rows if row["question"] == name and run.key.items() <= row.items()]
             if own or run.algorithm not in algorithms:
                 continue
@@ -189,7 +187,7 @@ def make(name: str, finest: int, most: float, algorithms: Sequence[str]) -> None
             print(
                 f"{name}: {run} {[(row['quantity'], row['value'], row['status'][:60], row['cpu_s']) for row in found]}"
             )
-            write_csv(STORED, COLUMNS, [*kept_rows.read(STORED), *found])
+            write_csv(STORED, COLUMNS, [*read_csv(STORED), *found])
 
 
 def _expected(rows: Sequence[Row], name: str, run: Contributor) -> float:

@@ -11,9 +11,8 @@ from collections.abc import Container, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from kept_rows import Row
-
 from contactlab.jobs.archive import CHOICES, Archive
+from contactlab.jobs.rows import Row
 from contactlab.parts.registry import default_registry
 from contactlab.verdicts.plan import Cell, Request, plan
 

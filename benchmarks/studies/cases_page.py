@@ -8,11 +8,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import case_rows
-import kept_rows
-from kept_rows import Row
 
 from contactlab.jobs.archive import CHOICES
-from contactlab.jobs.rows import write_csv
+from contactlab.jobs.rows import Row, read_csv, write_csv
 from contactlab.parts.registry import default_registry
 from contactlab.reports.sheet import Sheet
 from contactlab.verdicts.plan import Request
@@ -50,7 +48,7 @@ def keep(rows: list[Row]) -> None:
 
 def stored() -> list[Row]:
     """The rows that are kept."""
-    return kept_rows.read(STORED)
+    return read_csv(STORED)
 
 
 def page(rows: list[Row]) -> str:

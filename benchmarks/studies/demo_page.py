@@ -12,14 +12,12 @@ from __future__ import annotations
 import hashlib
 from pathlib import Path
 
-import kept_rows
 from filled import filled
-from kept_rows import Row
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
 from contactlab.jobs.archive import FILE, Archive
-from contactlab.jobs.rows import write_csv
+from contactlab.jobs.rows import Row, read_csv, write_csv
 from contactlab.reports.sheet import Sheet
 from contactlab.studies.reference import bundled
 
@@ -75,7 +73,7 @@ def stale_pictures() -> list[str]:
 
 def page() -> str:
     """README.md with the numbers of the kept rows between its two marks."""
-    return filled(README, **{"numbers of make demo": _said(kept_rows.read(STORED))})
+    return filled(README, **{"numbers of make demo": _said(read_csv(STORED))})
 
 
 def _said(rows: list[Row]) -> str:

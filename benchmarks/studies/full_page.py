@@ -15,13 +15,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import case_rows
-import kept_rows
 from full_causes import CAUSES, UNKNOWN, why_missed
-from kept_rows import Row
 from matrix_page import applying
 
 from contactlab.jobs.archive import CHOICES, Archive
-from contactlab.jobs.rows import write_csv
+from contactlab.jobs.rows import Row, read_csv, write_csv
 from contactlab.parts.registry import default_registry
 from contactlab.reports.sheet import Sheet
 from contactlab.verdicts.plan import Request
@@ -70,7 +68,7 @@ def keep(rows: list[Row]) -> None:
 
 def stored() -> list[Row]:
     """The rows that are kept."""
-    return kept_rows.read(STORED)
+    return read_csv(STORED)
 
 
 def unanswered(rows: list[Row]) -> Counter[tuple[str, str, str]]:

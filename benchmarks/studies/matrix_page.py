@@ -12,9 +12,9 @@ from pathlib import Path
 import case_rows
 import cases_page
 from filled import filled
-from kept_rows import Row
 
 from contactlab.jobs.archive import CHOICES
+from contactlab.jobs.rows import Row
 from contactlab.parts.registry import default_registry
 from contactlab.verdicts.plan import Request
 

@@ -27,9 +27,8 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
 
 import numpy as np  # noqa: E402
 from filled import filled  # noqa: E402
-from kept_rows import Row, read  # noqa: E402
 
-from contactlab.jobs.rows import write_csv  # noqa: E402
+from contactlab.jobs.rows import Row, read_csv, write_csv  # noqa: E402
 from contactlab.reports.sheet import Sheet  # noqa: E402
 
 KEPT, PAGE = Path(__file__).with_name("methods.csv"), Path(__file__).parents[2] / "docs" / "methods.md"
@@ -170,9 +169,9 @@ def scaled_costs(turns: int, methods: Iterable[str], kept: list[Row]) -> list[Ro
 
 def keep_equal(folder: Path) -> None:
     """Keep costs at equal errors from a folder of `contactlab compare`; cases that are not there stay as they are."""
-    found = [{name: row[name] for name in AT_ERRORS} for row in read(folder / "costs.csv")]
+    found = [{name: row[name] for name in AT_ERRORS} for row in read_csv(folder / "costs.csv")]
     there = {row["case"] for row in found}
-    write_csv(EQUAL, AT_ERRORS, [*(row for row in read(EQUAL) if row["case"] not in there), *found])
+    write_csv(EQUAL, AT_ERRORS, [*(row for row in read_csv(EQUAL) if row["case"] not in there), *found])
 
 
 def _row(method: str, slave: str, level: int, quantity: str, value: Any) -> Row:
@@ -191,14 +190,14 @@ PENETRATION, SAW = "largest penetration of either side in segments", "saw-tooth 
 
 def stored() -> list[Row]:
     """The rows that are kept."""
-    return read(KEPT)
+    return read_csv(KEPT)
 
 
 def page(rows: list[Row], cases: list[Row]) -> str:
     """docs/methods.md with its numbers put in, from those of this script and of the quick matrix."""
     tables = {
         "pressure": _pressures(rows), "cone": _cones(rows), "cost": _costs(rows), "cases": _cases(cases),
-        "equal": _equal(read(EQUAL)),
+        "equal": _equal(read_csv(EQUAL)),
     }  # fmt: skip
     return filled(PAGE, **{name: table.markdown() for name, table in tables.items()})
 

@@ -10,9 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import kept_rows
-from kept_rows import Row
-
+from contactlab.jobs.rows import Row, read_csv
 from contactlab.reports.sheet import Sheet
 from contactlab.studies.make_reference import common_limit, limit
 from contactlab.studies.reference import bundled, load_reference
@@ -49,7 +47,7 @@ class Found:
 
 def stored() -> list[Row]:
     """Rows of all runs."""
-    return kept_rows.read(STORED)
+    return read_csv(STORED)
 
 
 def found(rows: Sequence[Row]) -> list[Found]:

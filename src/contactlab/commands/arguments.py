@@ -272,11 +272,12 @@ LABORATORY = {
         ),
     ),
 }  # fmt: skip
+SHELLS = ("bash", "zsh", "fish", "powershell")
 INSTALLATION = {
     "doctor": Command("check the installation by a contact step", "doctor:doctor", (JSON,)),
     "completion": Command(
         "print the shell code that completes commands and keys", "completion:completion",
-        (_word("shell", choices=("bash", "zsh", "fish", "powershell"), help="the shell you type in"),),
+        (_word("shell", choices=SHELLS, help="the shell you type in"),),
     ),
 }  # fmt: skip
 GROUPS: dict[str, dict[str, Command]] = {

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Callable
 from typing import Any
 
 from contactlab.errors import RequestError
-
-SHELLS = ("bash", "zsh", "fish", "powershell")
 
 
 def completion(options: argparse.Namespace) -> int:
@@ -40,9 +39,10 @@ def _completers(parser: argparse.ArgumentParser) -> Any:
     from argcomplete.completers import DirectoriesCompleter, FilesCompleter
 
     known = {
-        "scene": scene_names, "source": scene_names, "name": part_names, "settings": settings, "vary": settings,
-        "cases": case_names, "contacts": contact_names, "files": FilesCompleter(("py",)), "out": DirectoriesCompleter(),
-        "kind": kinds, "target": targets, "reference": reference_names, "path": DirectoriesCompleter(),
+        "scene": scene_names, "source": scene_names, "name": names(""), "settings": settings, "vary": settings,
+        "cases": names("case"), "contacts": names("contact"), "reference": reference_names, "kind": kinds,
+        "files": FilesCompleter(("py",)), "out": DirectoriesCompleter(), "path": DirectoriesCompleter(),
+        "target": targets,
     }  # fmt: skip
     commands = next(a for a in parser._actions if isinstance(a, argparse._SubParsersAction))
     for name, command in commands.choices.items():
@@ -60,11 +60,16 @@ def scene_names(prefix: str, **_: Any) -> list[str]:
     return [*bundled_scenes(), *FilesCompleter(("toml",))(prefix)]
 
 
-def part_names(**_: Any) -> list[str]:
-    """Names of installed parts of every kind."""
-    from contactlab.parts.registry import default_registry
+def names(kind: str) -> Callable[..., list[str]]:
+    """A completer of the names of installed parts of a kind; of every kind if it is empty."""
 
-    return [offer.part.name for offer in default_registry().parts()]
+    def found(**_: Any) -> list[str]:
+        from contactlab.parts.registry import default_registry
+
+        registry = default_registry()
+        return registry.names(kind) if kind else [offer.part.name for offer in registry.parts()]
+
+    return found
 
 
 def kinds(**_: Any) -> list[str]:
@@ -78,30 +83,14 @@ def targets(prefix: str, **_: Any) -> list[str]:
     """What can be checked: installed parts, and Python files nearby."""
     from argcomplete.completers import FilesCompleter
 
-    return [*part_names(), *FilesCompleter(("py",))(prefix)]
+    return [*names("")(), *FilesCompleter(("py",))(prefix)]
 
 
 def reference_names(prefix: str, **_: Any) -> list[str]:
     """Installed references, and files nearby that could hold one."""
     from argcomplete.completers import FilesCompleter
 
-    from contactlab.parts.registry import default_registry
-
-    return [*default_registry().names("reference"), "finest", *FilesCompleter(("json", "csv"))(prefix)]
-
-
-def case_names(**_: Any) -> list[str]:
-    """Names of the cases that a matrix can run."""
-    from contactlab.parts.registry import default_registry
-
-    return default_registry().names("case")
-
-
-def contact_names(**_: Any) -> list[str]:
-    """Names of the installed contact algorithms."""
-    from contactlab.parts.registry import default_registry
-
-    return default_registry().names("contact")
+    return [*names("reference")(), "finest", *FilesCompleter(("json", "csv"))(prefix)]
 
 
 def settings(prefix: str, parsed_args: argparse.Namespace, **_: Any) -> list[str]:

@@ -9,6 +9,16 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+Row = dict[str, str]
+
+
+def read_csv(path: Path) -> list[Row]:
+    """Rows of a file; none if there is no file."""
+    if not path.is_file():
+        return []
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
 
 def write_csv(path: Path, columns: Sequence[str], rows: Iterable[Mapping[str, Any]], digits: int | None = None) -> None:
     """Write these columns of the rows, numbers with so many `digits`; nothing for a number that is not finite."""

@@ -12,6 +12,7 @@ from rich.text import Text
 
 from contactlab.api.drawing.units import Units
 from contactlab.reports.numbers import significant
+from contactlab.reports.sheet import STYLES
 from contactlab.reports.terminal import Terminal
 from contactlab.results.peaks import final_force, peak_force, peak_pressure
 from contactlab.results.results import Results
@@ -25,8 +26,6 @@ MOST = 3
 THE_END = "at the end"
 CLEARLY = 0.999
 """Ratio of two values below which both are shown."""
-
-_STYLES = {"finished": "bold green", "not-converged": "bold yellow"}
 
 
 def print_run(
@@ -53,7 +52,9 @@ def print_run(
 def render_run(results: Results, scene: Mapping[str, Any]) -> RenderableType:
     """Status and reason, five lines of numbers, and the text of each warning."""
     summary = results.summary
-    status = Text.assemble((str(summary.get("scene", "")), "bold"), ": ", (results.status, _style(results.status)))
+    status = Text.assemble(
+        (str(summary.get("scene", "")), "bold"), ": ", (results.status, f"bold {STYLES.get(results.status, 'red')}")
+    )
     reason = [Text(results.reason)] if results.reason else []
     lines = Table.grid(padding=(0, 2))
     lines.add_column(style="bold", no_wrap=True)
@@ -61,10 +62,6 @@ def render_run(results: Results, scene: Mapping[str, Any]) -> RenderableType:
     for name, text in _lines(results, scene):
         lines.add_row(Text(name), Text(text))
     return Group(status, *reason, lines, *_warnings(results))
-
-
-def _style(status: str) -> str:
-    return _STYLES.get(status, "bold red")
 
 
 def _lines(results: Results, scene: Mapping[str, Any]) -> Iterator[tuple[str, str]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import math
 from collections.abc import Callable, Mapping
@@ -16,6 +15,7 @@ from contactlab.api.frame import ContactCurve
 from contactlab.api.warning import RunWarning
 from contactlab.arguments import NAME, arguments
 from contactlab.errors import RequestError, one_line
+from contactlab.jobs.rows import read_csv
 from contactlab.results.load import load_results
 from contactlab.scene.toml_text import location, parse_toml
 from contactlab.studies.columns import BY_NAME, Column
@@ -97,20 +97,12 @@ def _or_nothing(read: Callable[[], T]) -> T | None:
 
 
 def _history(folder: Path) -> dict[str, Floats]:
-    path = folder / "history.csv"
-    if not path.is_file():
-        return {}
-    with path.open(encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = read_csv(folder / "history.csv")
     return {name: np.array([_number(row[name] or None) for row in rows]) for name in rows[0]} if rows else {}
 
 
 def _curve(folder: Path, contact: str) -> ContactCurve | None:
-    path = folder / "contact.csv"
-    if not path.is_file():
-        return None
-    with path.open(encoding="utf-8", newline="") as file:
-        rows = [row for row in csv.DictReader(file) if row["contact"] == contact]
+    rows = [row for row in read_csv(folder / "contact.csv") if row["contact"] == contact]
     if not rows:
         return None
     columns = {name: np.array([float(row[name]) for row in rows]) for name in ContactCurve.COLUMNS}

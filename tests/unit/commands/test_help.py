@@ -15,7 +15,7 @@ import pytest
 
 from contactlab.cli import main
 from contactlab.commands import doctor
-from contactlab.commands.completion import SHELLS
+from contactlab.commands.arguments import SHELLS
 from contactlab.run.compiling import compilation_told
 from contactlab.run.known_kernels import kernels_of
 from contactlab.scene.scene import bundled_scenes, load_scene
