@@ -58,7 +58,7 @@ def test_no_spring_is_needed_where_a_load_drives_a_body_to_what_holds_it(gap: fl
     assert results.summary["reactions"]["block.bottom"][1] == pytest.approx(LOAD * WIDTH, rel=1e-6)
 
 
-def thrown(steps: int, law: str = "linear-elastic") -> Scene:
+def thrown(steps: int, law: str = "linear-elastic", end: float = 5e-4) -> Scene:
     """A block that flies onto a plate held at both ends, by a third to twice its own height in a step."""
     body, plate = [-0.5, 0.5], {"use": "rectangle", "x": [-3.0, 3.0], "y": [-0.3, 0.0], "cells": [24, 2]}
     block = {"use": "rectangle", "x": body, "y": [0.2, 1.2], "cells": [4, 4]}
@@ -66,7 +66,7 @@ def thrown(steps: int, law: str = "linear-elastic") -> Scene:
     return Scene.from_data(
         {
             "format": 1,
-            "time": {"end": 5e-4},
+            "time": {"end": end},
             "integrator": {"use": "implicit-dynamics", "steps": steps},
             "materials": {"soft": {**SOFT, "use": law}},
             "bodies": {
@@ -92,13 +92,13 @@ def test_a_body_that_flies_in_large_steps_does_not_pass_through_a_plate(steps: i
     assert above > at[under & (reference[:, 1] == 0.0), 1].max() - 0.02  # a tenth of a segment
 
 
-@pytest.mark.parametrize("steps", [5, 20])
+@pytest.mark.parametrize("steps", [3, 12])
 def test_large_steps_of_a_nonlinear_body_are_cut_for_their_energy(steps: int) -> None:
-    """The midpoint rule keeps the energy of linear bodies alone, so that a run of 5 steps was stopped.
+    """The midpoint rule keeps the energy of linear bodies alone, so that a run of so large steps was stopped.
 
     A step may make a thousandth of the energy that there is, and some ten steps bounce.
     """
-    results = contactlab.simulate(thrown(steps, "neo-hookean"))
+    results = contactlab.simulate(thrown(steps, "neo-hookean", 3e-4))
     assert results.status == "finished", results.reason
     assert not {"energy-at-end", "ledger"} & {one.code for one in results.warnings}
     balance = results.summary["balance"]

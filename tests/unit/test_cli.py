@@ -169,7 +169,7 @@ class TestListings:
 
 
 def test_explain_says_what_a_scene_does_not_call_for(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["explain", "disc-on-block", "--set", "contacts.0.algorithm=mortar-p1", "--all"]) == 0
+    assert main(["explain", "disc-on-block", *QUICK, "--set", "contacts.0.algorithm=mortar-p1", "--all"]) == 0
     rows = [line.split() for line in capsys.readouterr().out.splitlines()]
     assert ["friction", "no", "not", "declared"] in rows
     assert ["contact", "yes", "contacts.0"] in rows

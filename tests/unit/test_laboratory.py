@@ -72,7 +72,7 @@ def test_a_scene_is_explained() -> None:
 
 def test_a_choice_is_made_of_keys_that_a_run_takes(tmp_path: Path) -> None:
     """Every finer mesh of the bars is refused, so that no error can be measured: there is a choice all the same."""
-    found = contactlab.choose("two-bars", 0.05, search=5.0, jobs=1)
+    found = contactlab.choose("two-bars", 0.05, search=2.0, jobs=1)
     assert found.verdict == "cannot"
     assert found.error_interval is None
     assert "no configuration finished on two meshes" in found.why
