@@ -53,6 +53,17 @@ def row(algorithm: str, slave: str, level: int, status: str = "finished", reason
 
 @pytest.fixture
 def table() -> Table:
+    """For tests that may change it."""
+    return made()
+
+
+@pytest.fixture(scope="module")
+def shared_table() -> Table:
+    """The same for all tests of a file."""
+    return made()
+
+
+def made() -> Table:
     rows = [
         row("alpha", "disc", 2, "not-converged", "reactions differ by <3 %> & more", error=0.2),
         row("alpha", "block", 2, "failed", "the process was killed by SIGKILL, perhaps because memory ran out"),

@@ -51,10 +51,15 @@ class Outline(HTMLParser):
             self.runs[-1] += data
 
 
-@pytest.fixture
-def outline(table: Table) -> Outline:
+@pytest.fixture(scope="module")
+def text(shared_table: Table) -> str:
+    return page(shared_table, draw(shared_table))
+
+
+@pytest.fixture(scope="module")
+def outline(text: str) -> Outline:
     found = Outline()
-    found.feed(page(table, draw(table)))
+    found.feed(text)
     return found
 
 
@@ -65,9 +70,9 @@ def test_tags_close_and_identifiers_are_unique(outline: Outline) -> None:
 
 def test_every_run_is_in_the_table_with_its_status_and_reason(outline: Outline, table: Table) -> None:
     runs = outline.runs[: len(table)]
-    for row, text in zip(table, runs, strict=True):
+    for row, run in zip(table, runs, strict=True):
         for part in (row.algorithm, row.slave, str(row.level), row.status, row.reason):
-            assert part in text
+            assert part in run
 
 
 def test_what_a_run_says_against_itself_stands_beneath_it(table: Table) -> None:
@@ -79,9 +84,8 @@ def test_what_a_run_says_against_itself_stands_beneath_it(table: Table) -> None:
     assert told == [row.name == "beta-disc-2" for row in table]
 
 
-def test_nothing_comes_from_elsewhere(outline: Outline, table: Table) -> None:
+def test_nothing_comes_from_elsewhere(outline: Outline, text: str) -> None:
     assert all(reference.startswith(("#", "data:")) for reference in outline.references)
-    text = page(table, draw(table))
     assert "@import" not in text
     assert "url(http" not in text
 
@@ -111,8 +115,7 @@ def test_the_lead_names_the_most_accurate_finished_run(outline: Outline) -> None
     assert "beta (slave disc): 1.0 %" in lead
 
 
-def test_drawings_follow_the_colours_of_the_page(table: Table) -> None:
-    text = page(table, draw(table))
+def test_drawings_follow_the_colours_of_the_page(text: str) -> None:
     drawings = [part.partition("</svg>")[0] for part in text.split("<svg")[1:]]
     assert len(drawings) == 3
     for drawing in drawings:
