@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import argparse
 import math
-import shlex
 
 from contactlab.accuracy.answer import Tried
 from contactlab.accuracy.choose import Chosen, Wish, choose_plan
-from contactlab.commands.common import console, parse_settings, print_json, registry_with, written
+from contactlab.commands.common import console, parse_settings, print_json, registry_with, typed, written
 from contactlab.commands.many import folder_of, interrupted, many
 from contactlab.reports.sheet import Column, Sheet
 from contactlab.scene.scene import load_scene
@@ -70,9 +69,7 @@ def _tried(tried: Tried) -> list[str]:
 
 def command(options: argparse.Namespace, found: Chosen) -> str:
     """The command that makes the chosen run."""
-    words = [word for setting in _settings(options, found) for word in ("--set", setting)]
-    words += [word for file in options.files for word in ("--with", file)]
-    return shlex.join(["contactlab", "run", options.scene, *words])
+    return typed("run", argparse.Namespace(**vars(options) | {"settings": _settings(options, found)}))
 
 
 def _settings(options: argparse.Namespace, found: Chosen) -> list[str]:

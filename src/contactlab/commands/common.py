@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 import shlex
@@ -41,6 +42,13 @@ def parse_settings(texts: Sequence[str]) -> dict[str, Any]:
         value = {"True": "true", "False": "false"}.get(value.strip(), value.strip())  # as Python writes them
         settings[name] = parse_value(value, f"--set {name}")
     return settings
+
+
+def typed(command: str, options: argparse.Namespace, *more: str) -> str:
+    """A command on the scene, settings and files of `options`, and with more words, as it is typed."""
+    words = [word for setting in options.settings for word in ("--set", setting)]
+    words += [word for file in options.files for word in ("--with", file)]
+    return shlex.join(["contactlab", command, options.scene, *words, *more])
 
 
 def plugin_command(name: str, target: str, origin: Origin) -> Callable[[list[str]], int]:

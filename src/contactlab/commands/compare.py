@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import argparse
 import json
-import shlex
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from contactlab.commands.common import console, parse_settings, print_how_to_look, print_json, registry_with
+from contactlab.commands.common import console, parse_settings, print_how_to_look, print_json, registry_with, typed
 from contactlab.commands.many import INTERRUPTED
 from contactlab.errors import RequestError, SceneError, did_you_mean, visible
 from contactlab.run.folders import results_folder
@@ -95,11 +94,9 @@ def _print(result: Table, folder: Path, registry: Registry, options: argparse.Na
 def resume_line(options: argparse.Namespace, folder: Path) -> str:
     """Write the command that continues a comparison."""
     words = [word for text in options.vary for word in ("--vary", text)]
-    words += [word for text in options.settings for word in ("--set", text)]
-    words += [word for text in options.files for word in ("--with", text)]
     words += ["--effects"] if options.effects else []
     words += ["--time-limit", f"{options.time_limit:g}"] if options.time_limit is not None else []
     words += ["--repeat", str(options.repeat)] if options.repeat is not None else []
     words += ["--reference", options.reference] if options.reference is not None else []
     words += ["--keep", options.keep] if options.keep != "all" else []
-    return shlex.join(["contactlab", "compare", options.scene, *words, "--out", str(folder), "--resume"])
+    return typed("compare", options, *words, "--out", str(folder), "--resume")

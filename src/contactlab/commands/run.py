@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import shlex
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from contactlab.commands.common import console, parse_settings, print_how_to_look, print_json, registry_with
+from contactlab.commands.common import console, parse_settings, print_how_to_look, print_json, registry_with, typed
 from contactlab.errors import visible
 from contactlab.run.folders import results_folder
 from contactlab.scene.scene import Scene, load_scene
@@ -55,7 +53,7 @@ def run(options: argparse.Namespace) -> int:
     print_run(results, scene.data, out, options.verbose, options.profile)
     print_how_to_look(folder, registry, out)
     if results.status in RESUMABLE and (folder / FILE).exists():
-        out.say(f"go on with: {resume_line(options, folder)}")
+        out.say(f"go on with: {typed('run', options, '--out', str(folder), '--resume')}")
     return status
 
 
@@ -65,13 +63,6 @@ def _print_problems(results: Results) -> None:
         print(visible(f"contactlab: {results.status}: {results.reason}"), file=sys.stderr)
     for warning in results.warnings:
         print(visible(f"contactlab: warning ({warning.code}): {warning.text}"), file=sys.stderr)
-
-
-def resume_line(options: argparse.Namespace, folder: Path) -> str:
-    """The command that takes the run up again."""
-    settings = [word for setting in options.settings for word in ("--set", setting)]
-    files = [word for file in options.files for word in ("--with", file)]
-    return shlex.join(["contactlab", "run", options.scene, *settings, *files, "--out", str(folder), "--resume"])
 
 
 @contextmanager

@@ -242,4 +242,6 @@ def tex_number(text: str) -> str:
 
 def facts(title: str, lines: Iterable[tuple[str, str]]) -> Sheet:
     """Names with their values, without a heading."""
-    return Sheet([Column("", whole=True), Column("")], lines, title)
+    return Sheet(
+        [Column("", whole=True), Column("")], ([Cell(name, kind="title"), text] for name, text in lines), title
+    )

@@ -27,7 +27,7 @@ from contactlab.verdicts.run import Matrix
 
 STYLE = (
     ".contactlab .text{text-align:left;vertical-align:top} .contactlab .unit{display:block;font-weight:400} "
-    ".contactlab .refines{opacity:.7} .contactlab .reason td{text-align:left} "
+    ".contactlab .title{font-weight:600} .contactlab .refines{opacity:.7} .contactlab .reason td{text-align:left} "
     ".contactlab .met{color:#1a7f4b} .contactlab .missed{color:#9a5b00} .contactlab :is(.failed,.silent){color:#b42318}"
 )
 WARNING = "border-left:4px solid #9a5b00;padding:.2em .8em;margin:.4em 0"
