@@ -66,12 +66,12 @@ def uneven(nodes: Any) -> Any:
 
 def no_directions_of_the_second_pass(right: Any, self: Any, *given: Any) -> Any:
     found = right(self, *given)
-    return replace(found, normal=0.0 * found.normal) if self.pair.second else found
+    return found._replace(normal=0.0 * found.normal) if self.pair.second else found
 
 
 def no_turns(right: Any, self: Any, *given: Any) -> Any:
     found = right(self, *given)
-    return replace(found, force=0.0 * found.force)
+    return found._replace(force=0.0 * found.force)
 
 
 def friction_of_the_first_pass(right: Any, self: Any, c: Any, out: Any) -> None:

@@ -50,7 +50,7 @@ def derivatives(pair: OperatorPair, memory: Floats, nodes: int, own: bool = True
     if not own:
         gradients.found = gradients._from_derivatives  # type: ignore[method-assign]
     rows = allocate_rows(pair.slots, 4 * nodes, friction=True)
-    assert gradients.append_rows(rows, 0, np.inf, np.zeros((2, pair.slots)), np.zeros((nodes, 2)), memory) > 0
+    assert gradients.append_rows(rows, 0, np.inf, np.zeros((2, pair.slots)), memory) > 0
     row = np.repeat(np.arange(rows.count), np.diff(rows.start[: rows.count + 1]))
     found = []
     for weight in (rows.normal_weight, rows.tangent_weight):

@@ -9,9 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from contactlab.api import ExplicitEnforcement, FactoredRows, Floats, Rows, Solve, State
-from contactlab.contact.contact_pairs import consistent_rows
 from contactlab.contact.explicit_system import ContactSystem
 from contactlab.contact.factored_gradients import ModelGradients, told_by_feet
+from contactlab.contact.gradients import PairGradients
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair
 from contactlab.contact.start_gaps import FacetOverlap
@@ -34,7 +34,8 @@ class ConsistentContactSystem(ContactSystem):
         constant = FactoredRows.allocate(len(self.rows.gap), 8 * len(self.rows.gap)) if _closest(self) else None
         self.constant, self.offset = constant, np.zeros(len(self.rows.gap))
         self.factored = self.told.rows.factors if self.told is not None else constant
-        self.gradients = [consistent_rows(pair) for pair in pairs]
+        # finished conditions have weights that are the derivatives of their gaps already
+        self.gradients = {n: PairGradients(pair) for n, pair in enumerate(pairs) if isinstance(pair, OperatorPair)}
         for pair in pairs:
             if isinstance(pair, OperatorPair):
                 pair.coupling.let_go()
@@ -77,7 +78,7 @@ class ConsistentContactSystem(ContactSystem):
             return None
         self.constant.count = 0
         pairs = (pair for pair in self.passes if isinstance(pair, OperatorPair))
-        if any(largest_sideways(pair.arrays.address) > ROUND for pair in pairs):
+        if any(largest_sideways(pair.address) > ROUND for pair in pairs):
             return None
         self.factored = self.constant
         done, rows = super()._solve_factored(*where), self.factored
@@ -97,8 +98,12 @@ class ConsistentContactSystem(ContactSystem):
         self._push_facets(self.rows, self.offset)
 
     def _append(self, number: int, entries: int, margin: float, current: Floats, predicted: Floats) -> int:
-        rows, first, gradients = self.rows, self.rows.count, self.gradients[number]
-        entries = gradients.append_rows(rows, entries, margin, self.multipliers, current, self.memories[number])
+        rows, first = self.rows, self.rows.count
+        if number in self.gradients:
+            gradients = self.gradients[number]
+            entries = gradients.append_rows(rows, entries, margin, self.multipliers, self.memories[number])
+        else:
+            entries = super()._append(number, entries, margin, current, predicted)
         if entries >= 0:
             self._advance(rows, first, current, predicted, self.strict[number])
         return entries

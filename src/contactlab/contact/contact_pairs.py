@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from contactlab.api import ContactAlgorithm, ContactMethod, Floats, FrictionLaw, GapAlgorithm, Potential, Rows, Surface
+from contactlab.api import ContactAlgorithm, ContactMethod, Floats, FrictionLaw, GapAlgorithm, Potential, Surface
 from contactlab.api.arrays import Flags
 from contactlab.contact.gap_pair import GapPair
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair
 
 if TYPE_CHECKING:
-    from contactlab.contact.gap_linearisation import GapLinearisation
-    from contactlab.contact.gradients import PairGradients
-    from contactlab.contact.linearisation import PairLinearisation
+    from contactlab.contact.linearisation import Linearisation
 
 
 def contact_pair(
@@ -53,39 +51,26 @@ def twin(pair: ContactPair, reference: Floats) -> ContactPair:
     return contact_pair(pair.name, pair.method, (pair.slave, pair.master), reference, pair.first_slot, None, fixed)
 
 
-def linearised(pair: ContactPair, nodes: int) -> PairLinearisation | GapLinearisation:
-    """Gaps and slips of a pair at trial positions and their derivatives, in a model of so many nodes."""
+def linearised(pair: ContactPair, nodes: int, consistent: bool = False, in_time: bool = False) -> Linearisation:
+    """Gaps and slips of a pair at trial positions and their derivatives, in a model of so many nodes.
+
+    consistent  whether normal forces act along the derivatives of the gaps; in_time: by rows of a whole step
+    """
     if isinstance(pair, GapPair):
         from contactlab.contact.gap_linearisation import GapLinearisation
 
-        return GapLinearisation(pair, nodes)
-    from contactlab.contact.linearisation import PairLinearisation
-
-    assert isinstance(pair, OperatorPair)
-    if pair.half:
+        found: Linearisation = GapLinearisation(pair, nodes)
+    elif pair.half:
         from contactlab.contact.half_passes import HalfPassLinearisation
 
-        return HalfPassLinearisation(pair, nodes)
-    return PairLinearisation(pair, nodes)
+        found = HalfPassLinearisation(cast("OperatorPair", pair), nodes)
+    else:
+        from contactlab.contact.linearisation import ConsistentLinearisation, PairLinearisation
 
+        kind = ConsistentLinearisation if consistent and not in_time else PairLinearisation
+        found = kind(cast("OperatorPair", pair), nodes)
+    if in_time:
+        from contactlab.contact.step_rows import StepRows
 
-class FinishedRows:
-    """Rows of a pair whose conditions come finished: their weights are the derivatives of its gaps already."""
-
-    def __init__(self, pair: ContactPair) -> None:
-        self.pair = pair
-
-    def append_rows(
-        self, out: Rows, entries: int, margin: float, multipliers: Floats, current: Floats, memory: Floats
-    ) -> int:
-        """As `ContactPair.append_rows`."""
-        return self.pair.append_rows(out, entries, margin, multipliers, current)
-
-
-def consistent_rows(pair: ContactPair) -> PairGradients | FinishedRows:
-    """Rows of a pair with consistent forces, as an object that appends them."""
-    if not isinstance(pair, OperatorPair):
-        return FinishedRows(pair)
-    from contactlab.contact.gradients import PairGradients
-
-    return PairGradients(pair)
+        return StepRows(found)
+    return found

@@ -38,6 +38,7 @@ class Coupling:
         self.table = CouplingTable(
             following, preceding, absent, np.tile(fixed, rows_per_node), np.full(k, MERGED_BELOW), tie, full,
             cover, diagonal, lower, upper, pivot, owner, next_, previous, order, np.zeros(1, np.int32),
+            np.zeros(1, np.bool_),
         )  # fmt: skip
         self.bound = BoundArrays(CouplingTable, *self.table)
         self._scratch = np.zeros(0)

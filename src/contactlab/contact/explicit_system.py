@@ -13,8 +13,7 @@ from contactlab.api import ExplicitEnforcement, FactoredRows, Floats, Rows, Solv
 from contactlab.contact.pair import ContactPair, shown
 from contactlab.contact.sliding import FOLLOWED, varying
 from contactlab.errors import WrongAnswer
-from contactlab.kernels.contact.rows import tangential_work
-from contactlab.kernels.contact.warm_start import extrapolate
+from contactlab.kernels.contact.rows import extrapolate, tangential_work
 
 if TYPE_CHECKING:
     from contactlab.contact.work_split import WorkSplit

@@ -85,7 +85,7 @@ class ModelGradients:
         for ends in self.ends:
             pair, address = ends.pair, self.rows.packed.address
             count = kernels.write_gradients(
-                pair.arrays.address, ends.bound.address, pair.count, pair.first_slot, count, address
+                pair.address, ends.bound.address, pair.count, pair.first_slot, count, address
             )
             if count < 0:
                 return False

@@ -13,30 +13,31 @@ from typing import Any
 import numpy as np
 from scipy.sparse import coo_array, csr_array
 
-from contactlab.api import ConditionDerivatives, Floats, GapConditions, Ints
+from contactlab.api import ConditionDerivatives, ContactDerivatives, Floats, GapConditions, Ints
 from contactlab.contact.condition_differences import ConditionDifferences
 from contactlab.contact.gap_pair import GapPair
-from contactlab.contact.linearisation import PairDerivatives, turned
+from contactlab.contact.linearisation import Linearisation, parts_of, turned
 from contactlab.errors import WrongAnswer
 
 
-class GapLinearisation:
-    """Gaps and slips of one pair of finished conditions at trial positions, and their derivatives there."""
+class GapLinearisation(Linearisation):
+    """Of a pair of finished conditions."""
+
+    pair: GapPair
 
     def __init__(self, pair: GapPair, nodes: int) -> None:
-        self.pair, self.size = pair, 2 * nodes
+        super().__init__(pair, nodes)
         self.differences = ConditionDifferences(pair)
-        self.slip = np.zeros(pair.slots if pair.friction is not None else 0)
         self.position, self.start = np.zeros((nodes, 2)), np.zeros((nodes, 2))
 
-    def evaluate(self, position: Floats, start: Floats, memory: Floats) -> None:
-        """Gaps of the pair, and slips since the positions `start` (N, 2) of the last accepted step."""
+    def evaluate(self, position: Floats, start: Floats) -> None:
+        """Update the pair at `position`."""
         pair = self.pair
-        pair.update(position, memory)
+        pair.update(position, self.memory)
         self.position[:], self.start[:] = position, start
         if pair.sliding is None:
             return
-        pair.compute_start_normals(start, memory)
+        pair.compute_start_normals(start, self.memory)
         self.slip[:] = 0.0
         found = self._found
         if len(found.owner):
@@ -47,23 +48,24 @@ class GapLinearisation:
             self.slip[found.owner] = np.add.reduceat(moved, found.start[:-1])
 
     def flexibilities(self, nodal: Floats) -> Floats:
-        """Displacement (k,) [mm/N] of each condition per unit of its force, from those of single nodes (N, 2)."""
+        """Sum squared weights."""
         found, out = self._found, np.zeros(self.pair.slots)
         if len(found.owner):
             out[found.owner] = np.add.reduceat(_dot(found.normal_weight**2, nodal[found.node]), found.start[:-1])
         return out
 
     def add_forces(self, multipliers: Floats, normal: Floats, tangential: Floats) -> None:
-        """Add the nodal forces of the model's multipliers to (N, 2) each; the second is (0, 2) without friction."""
+        """Weights times multipliers."""
         found, first = self._found, self.pair.first_slot
         slot = first + found.owner[self._row]
         np.add.at(normal, found.node, multipliers[0, slot, None] * found.normal_weight)
         if self.pair.friction is not None:
             np.add.at(tangential, found.node, multipliers[1, slot, None] * found.tangent_weight)
 
-    def linearise(self, chosen: Ints, y_n: Floats, y_t: Floats | None, memory: Floats) -> PairDerivatives:
-        """Derivatives of the `chosen` multipliers (c,) where all have forces y (k,) [N]."""
-        found, changes, row = self._found, self._changes(memory), self._row
+    def linearise(self, chosen: Ints, y: Floats) -> ContactDerivatives:
+        """By derivatives of the weights."""
+        y_n, y_t = parts_of(y, self.pair)
+        found, changes, row = self._found, self._changes(), self._row
         entry, value = changes.entry, changes.value
         # weights sum to zero, and their changes: distances within a condition err less than positions
         first = found.start[:-1][row]
@@ -73,7 +75,7 @@ class GapLinearisation:
         gap = normal + self._matrix(of, changes.moved, _dot(value, apart), len(found.owner))
         change = y_n[found.owner[of], None] * value
         if y_t is None:
-            return PairDerivatives(pick @ normal, None, pick @ gap, None, self._forces(changes, change))
+            return ContactDerivatives(pick @ normal, None, pick @ gap, None, self._forces(changes, change))
         change = change + y_t[found.owner[of], None] * turned(value)
         now, before = self._directions()
         began = (self.start[found.node] - self.start[found.node[first]])[entry]
@@ -83,14 +85,10 @@ class GapLinearisation:
         across = _dot(turned(value), apart) - share * _dot(now[entry], apart)
         tangent = self._weights(found.tangent_weight)
         slip = tangent + self._matrix(of, changes.moved, slid + across, len(found.owner))
-        return PairDerivatives(pick @ normal, pick @ tangent, pick @ gap, pick @ slip, self._forces(changes, change))
-
-    def gap_derivatives(self, chosen: Ints, memory: Floats) -> Any:
-        """Derivatives (c, 2N) of the gaps of the chosen multipliers alone."""
-        return self.linearise(chosen, np.zeros(self.pair.slots), None, memory).gap
+        return ContactDerivatives(pick @ normal, pick @ tangent, pick @ gap, pick @ slip, self._forces(changes, change))
 
     def tangents(self, chosen: Ints) -> Any:
-        """Directions (c, 2N) of the friction of the chosen multipliers."""
+        """Weights of friction."""
         return self._picked(chosen) @ self._weights(self._found.tangent_weight)
 
     # --- what belongs to the conditions of the last evaluation ------------------------------------
@@ -112,12 +110,12 @@ class GapLinearisation:
         owner = self._found.owner[self._row]
         return turned(self.pair.normals)[owner], turned(self.pair.sliding.before)[owner]
 
-    def _changes(self, memory: Floats) -> ConditionDerivatives:
+    def _changes(self) -> ConditionDerivatives:
         pair, found = self.pair, self._found
-        view = pair.seen(memory)._replace(memory=memory.copy())
+        view = pair.seen(self.memory)._replace(memory=self.memory.copy())
         given = pair.algorithm.derivatives(view, found)
         if given is None:
-            return self.differences.of(memory)
+            return self.differences.of(self.memory)
         _refuse_wrong(given, len(found.node), self.size, type(pair.algorithm).__name__)
         return given
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -12,27 +12,14 @@ from contactlab.api.compiled.chains import tributary_lengths
 from contactlab.contact.examination import copies, refuse_written
 from contactlab.contact.pair import ContactPair
 from contactlab.errors import WrongAnswer
-from contactlab.kernels.contact import edges
 from contactlab.kernels.contact.factored_rows import FAR
-from contactlab.kernels.contact.warm_start import displaced
-
-
-class _Made(NamedTuple):
-    """full (k,) [mm] tributary length of each multiplier's node; cover (k,) [mm] and normals (k, 2) of conditions;
-    at (N, 2) [mm] where they were made; pushed (N, 2) [mm] scratch."""
-
-    full: Floats
-    cover: Floats
-    normals: Floats
-    at: Floats
-    pushed: Floats
+from contactlab.kernels.contact.search import take
 
 
 class GapPair(ContactPair):
     """A slave and a master surface under one `GapAlgorithm`.
 
-    found     conditions of the last `update`
-    made      what belongs to them
+    found     conditions of the last `update`, made_at (N, 2) [mm] where they were made
     of_slave  (N,) whether a node is the slave's
     """
 
@@ -48,25 +35,11 @@ class GapPair(ContactPair):
     ) -> None:
         super().__init__(name, algorithm, slave, master, reference, first_slot, friction)
         self.algorithm, k = algorithm, self.slots
-        self.made = _Made(np.zeros(k), np.zeros(k), np.zeros((k, 2)), reference.copy(), reference.copy())
+        self.full, self.cover, self.normals = np.zeros(k), np.zeros(k), np.zeros((k, 2))
+        self.made_at = reference.copy()
         self.of_slave = np.zeros(len(reference), np.bool_)
         self.of_slave[slave.nodes] = True
         self.found: GapConditions | None = None
-
-    @property
-    def normals(self) -> Floats:
-        """Unit vectors (k, 2) that each condition pushes its slave with, of the last `update` that had one."""
-        return self.made.normals
-
-    @property
-    def cover(self) -> Floats:
-        """Length (k,) [mm] that each condition stands for, 0 where there is none."""
-        return self.made.cover
-
-    @property
-    def full(self) -> Floats:
-        """Tributary length (k,) [mm] of each multiplier's node."""
-        return self.made.full
 
     def calls_per_step(self) -> dict[str, int]:
         """Conditions once, and at the start of the step once more with friction."""
@@ -76,9 +49,9 @@ class GapPair(ContactPair):
 
     def update(self, positions: Floats, memory: Floats) -> None:
         """Ask for the conditions at `positions` (N, 2), and measure their gaps there."""
-        edges.take(positions, self.slave.nodes, self.at.slave)
-        edges.take(positions, self.master.nodes, self.at.master)
-        tributary_lengths(self.at.slave, self.slave.segments, self.slave.node_segments, self.made.full)
+        take(positions, self.slave.nodes, self.at.slave)
+        take(positions, self.master.nodes, self.at.master)
+        tributary_lengths(self.at.slave, self.slave.segments, self.slave.node_segments, self.full)
         if self.near is None or not self.near.holds(self.at, self.size):
             self.find_near(self.at.slave, self.at.master)
         first = self.found is None
@@ -90,32 +63,26 @@ class GapPair(ContactPair):
         if first or _doubtful(found):
             refuse_wrong(found, self.slots, len(positions), self.friction is not None, type(self.algorithm).__name__)
         self.found = found
-        self.made.at[:] = positions
-        self.made.cover[:] = 0.0
-        self.made.cover[found.owner] = found.measure
-        self.made.normals[found.owner] = self._directions(found)
+        self.made_at[:] = positions
+        self.cover[:] = 0.0
+        self.cover[found.owner] = found.measure
+        self.normals[found.owner] = self._directions(found)
         self.compute_gaps(positions)
 
     def update_pushed(self, predicted: Floats, compliance: Floats, force: Floats, memory: Floats) -> None:
-        """`update` at predicted + compliance * force, all (N, 2), and `compute_gaps` at `predicted`."""
-        displaced(predicted, compliance, force, self.made.pushed)
-        self.update(self.made.pushed, memory)
+        """`update` at predicted + compliance * force, all (N, 2), and gaps at `predicted`."""
+        self.update(predicted + compliance * force, memory)
         self.compute_gaps(predicted)
 
     def ask(self, view: ContactView) -> GapConditions:
         """What the algorithm says to a view, with tangent weights where friction is declared."""
         return self.algorithm.conditions(view, tangent=self.friction is not None)
 
-    def compute_gaps(self, positions: Floats) -> None:
-        """Gaps at `positions`, with the weights of the last `update`."""
-        self.gaps[:] = self.gaps_at(positions)
-        self._take_start_gaps(self.gaps)
-
     def gaps_at(self, positions: Floats) -> Floats:
         """Gaps (k, 2) at `positions` with the weights of the last `update`, in an array of their own."""
         assert self.found is not None
         found, gaps = self.found, self.gaps.copy()
-        moved = positions[found.node] - self.made.at[found.node]
+        moved = positions[found.node] - self.made_at[found.node]
         gaps[:, 0] = FAR
         gaps[found.owner, 0] = found.gap + _per_row(found, found.normal_weight, moved)
         if self.friction is not None:
@@ -126,7 +93,7 @@ class GapPair(ContactPair):
         """Normals at `positions`, where the step starts (friction only); unchanged where there were none."""
         assert self.sliding is not None
         found = self.ask(self._start(positions, memory)._replace(memory=memory.copy()))
-        self.sliding.before[:] = self.made.normals
+        self.sliding.before[:] = self.normals
         self.sliding.before[found.owner] = self._directions(found)
 
     def _directions(self, found: GapConditions) -> Floats:
@@ -157,7 +124,7 @@ class GapPair(ContactPair):
         out.node[entries:end], out.normal_weight[entries:end] = found.node[taken], found.normal_weight[taken]
         owner = found.owner[chosen]
         out.gap[first:last], out.measure[first:last] = self.gaps[owner, 0], found.measure[chosen]
-        out.size[first:last], out.slot[first:last] = self.made.full[owner], self.first_slot + owner
+        out.size[first:last], out.slot[first:last] = self.full[owner], self.first_slot + owner
         if len(out.tangent_weight):
             out.tangent_weight[entries:end] = found.tangent_weight[taken] if self.friction is not None else 0.0
         self._append_slips(out, first, last, current)
@@ -168,7 +135,7 @@ class GapPair(ContactPair):
 
     def tractions(self, forces: Floats) -> Floats:
         """Lambda (k,) [MPa] from nodal forces y (k,) [N]: force per length that the condition stands for."""
-        return np.divide(forces, self.made.cover, out=np.zeros_like(forces), where=self.made.cover > 0.0)
+        return np.divide(forces, self.cover, out=np.zeros_like(forces), where=self.cover > 0.0)
 
 
 def _per_row(found: GapConditions, weight: Floats, vectors: Floats) -> Floats:

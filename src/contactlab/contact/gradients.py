@@ -28,9 +28,7 @@ class PairGradients:
     def _bind(self, g: GapGradients) -> None:
         self.bound_of, self.bound = g, BoundArrays(GapGradients, g)
 
-    def append_rows(
-        self, out: Rows, entries: int, margin: float, multipliers: Floats, current: Floats, memory: Floats
-    ) -> int:
+    def append_rows(self, out: Rows, entries: int, margin: float, multipliers: Floats, memory: Floats) -> int:
         """Append rows with a gap below `margin` [mm] or a force to `out`, gaps as they are now, no slips yet.
 
         Returns the next free entry, or -1 where `out` is too small.
@@ -41,7 +39,7 @@ class PairGradients:
         first, margin = out.count, FAR if pair.everywhere else min(margin, FAR)
         used = pair.count, found.count, found.normal_count
         count, end = kernels.write_rows(
-            pair.arrays.address, self.bound.address, used, margin, multipliers, pair.first_slot,
+            pair.address, self.bound.address, used, margin, multipliers, pair.first_slot,
             (first, entries), out.packed.address,
         )  # fmt: skip
         if count < 0:

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array
 
-from contactlab.api import Conditions, Floats, Ints, NormalLaw, Response
+from contactlab.api import Conditions, ContactDerivatives, Floats, Ints, NormalLaw, Response
 from contactlab.contact.implicit_system import ImplicitContactSystem
-from contactlab.contact.linearisation import PairDerivatives, PairLinearisation
+from contactlab.contact.linearisation import PairLinearisation
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair
 from contactlab.contact.pressure_response import PressureResponse, rub
@@ -33,13 +33,13 @@ class HalfPassLinearisation(PairLinearisation):
         self.own = own.ravel()
         self.given = np.zeros((2, nodes, 2))
 
-    def linearise(self, chosen: Ints, y_n: Floats, y_t: Floats | None, memory: Floats) -> PairDerivatives:
+    def linearise(self, chosen: Ints, y: Floats) -> ContactDerivatives:
         """As of a whole pass; forces on the master are left out."""
-        found = super().linearise(chosen, y_n, y_t, memory)
+        found = super().linearise(chosen, y)
         force = self._rows_of_slave(found.force.tocsr()) + TRACE * found.force.T
         normal, gap = self._acting(found.normal, found.gap)
         tangent, slip = (None, None) if found.tangent is None else self._acting(found.tangent, found.slip)
-        return PairDerivatives(normal, tangent, gap, slip, force.tocsr())
+        return ContactDerivatives(normal, tangent, gap, slip, force.tocsr())
 
     def _acting(self, along: Any, change: Any) -> tuple[Any, Any]:
         """Directions (c, 2N) on the slave alone, and derivatives; both with the pattern of their sum."""

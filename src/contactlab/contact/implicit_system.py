@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, cast
 
@@ -17,15 +16,15 @@ from contactlab.contact.coupling import Coupling
 from contactlab.contact.examination import examine_pair
 from contactlab.contact.explicit_system import allocate_rows
 from contactlab.contact.held_together import held_together
-from contactlab.contact.linearisation import PairDerivatives, PairLinearisation
+from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair, shown
 from contactlab.contact.passage import first_passage
 from contactlab.contact.sliding import varying
-from contactlab.contact.step_rows import StepRows
 
 if TYPE_CHECKING:
     from contactlab.contact.potential_pair import PotentialPair
     from contactlab.contact.pressure_store import PressureStore
+    from contactlab.contact.step_rows import StepRows
 
 
 class ImplicitContactSystem:
@@ -33,8 +32,8 @@ class ImplicitContactSystem:
 
     passes        all pairs; `pairs` are those that reports show (see `ContactPair.second`)
     follows_gaps  whether normal forces act along the derivatives of the gaps
-    potentials    pairs whose forces come from an energy; `ruled` are the others, which set conditions
     consistent    whether they do so in steps of a motion, which holds gaps by rows that are those of the whole step
+    potentials    pairs whose forces come from an energy; `linear` are the others, which set conditions
     pace          how far multipliers that were merged at the start of a step come free in it: 1, at once, or less in
                   load steps that had to be cut (forces jump where one comes free: no shorter step would help otherwise)
     freedom       (k,) how free the model's multipliers were in the last accepted step, from 0 (merged) to 1
@@ -57,15 +56,14 @@ class ImplicitContactSystem:
         for pair in self.potentials:
             if pair.friction is not None:
                 pair.kept = state[f"friction.{pair.name}"]
-        self.ruled = tuple(pair for pair in pairs if not pair.by_energy)
-        self.linear = tuple(linearised(pair, nodes) for pair in self.ruled)
         # statics have no start of a step that anything would have to hold to
         self.follows_gaps, self.consistent = follows_gaps, follows_gaps and "velocity" in state
-        self.stepped = tuple(StepRows(linear) for linear in self.linear) if self.consistent else ()
+        self.linear = tuple(
+            linearised(pair, nodes, follows_gaps, self.consistent) for pair in pairs if not pair.by_energy
+        )
         self.conditions = _conditions(pairs, state["multipliers"], self.friction)
         self.pace = 1.0
         self.freedom = np.ones(state["multipliers"].shape[1])
-        self.memories = [np.zeros_like(self._memory(pair)) for pair in self.ruled]
         self.start = np.zeros((nodes, 2))
         self.flexibility = np.ones((nodes, 2))
         self.multipliers = state["multipliers"]
@@ -93,19 +91,21 @@ class ImplicitContactSystem:
         """A step that ends at `time` [s] starts at `position` (N, 2), with what the state remembers."""
         self.start[:] = position
         self.time[0] = time
-        for pair, memory in zip(self.ruled, self.memories, strict=True):
-            memory[:] = self._memory(pair)
-            pair.evaluated = False
-        for pair in self.potentials:
-            pair.begin_step(position)
+        for linear in self.linear:
+            linear.memory[:] = self._memory(linear.pair)
+            linear.pair.evaluated = False
+        for potential in self.potentials:
+            potential.begin_step(position)
             # what the last step wrote for reports is no force of a condition
-            self.conditions.force[:, pair.own] = 0.0
+            self.conditions.force[:, potential.own] = 0.0
         for pair, sliding in self.varying:
             sliding.begin_step(pair, time, time - self.state.time)
         self._release(time)
-        for rows, memory in zip(self.stepped, self.memories, strict=False):
-            half = 0.5 * (time - self.state.time)
-            rows.begin(self.state.time, position, position + half * self.state["velocity"], memory)
+        middle = position
+        if self.consistent:
+            middle = position + 0.5 * (time - self.state.time) * self.state["velocity"]
+        for linear in self.linear:
+            linear.begin(self.state.time, position, middle)
         self.conditions.anchor[:] = self.conditions.force
 
     def _release(self, time: float) -> None:
@@ -124,9 +124,9 @@ class ImplicitContactSystem:
 
     def _couplings(self) -> Iterator[tuple[Coupling, Floats]]:
         """Those of the pairs that have one, and how free their multipliers were in the last accepted step."""
-        for linear in self.linear:
-            if isinstance(linear, PairLinearisation):
-                yield linear.pair.coupling, self.freedom[linear.pair.own]
+        for pair in self.passes:
+            if isinstance(pair, OperatorPair):
+                yield pair.coupling, self.freedom[pair.own]
 
     def _freed(self, coupling: Coupling, freedom: Floats) -> Floats:
         """How free multipliers are after a step that frees them at `pace`: (k,), 0 where they are merged."""
@@ -134,21 +134,17 @@ class ImplicitContactSystem:
 
     def accept(self) -> None:
         """What the last evaluation remembers becomes part of the state."""
-        for pair, memory in zip(self.ruled, self.memories, strict=True):
-            self._memory(pair)[:] = memory
-            pair.evaluated = True
-        for pair in self.potentials:
-            pair.accept(self.multipliers)
+        for linear in self.linear:
+            self._memory(linear.pair)[:] = linear.memory
+            linear.pair.evaluated = True
+        for potential in self.potentials:
+            potential.accept(self.multipliers)
         for pair, sliding in self.varying:
             sliding.accept(pair, self.conditions.slip[pair.own], self.conditions.force[0, pair.own])
         for coupling, freedom in self._couplings():
             freedom[:] = self._freed(coupling, freedom)
-        for stepped in self.stepped:
-            stepped.linear.pair.compute_gaps(stepped.start + stepped.moved)
+            linear.accept()
         self._write_rows()
-        if self.stepped and self.friction:
-            rows = self.rows
-            rows.slip[: rows.count] = self.conditions.slip[rows.slot[: rows.count]]
 
     def _write_rows(self) -> None:
         """Rows of the conditions that bear forces, as the scalars of every step want them."""
@@ -159,34 +155,28 @@ class ImplicitContactSystem:
                 if entries < 0:
                     break
             if entries >= 0:
-                return
+                break
             self.rows = allocate_rows(
                 self.multipliers.shape[1], 2 * len(self.rows.node) // len(self.rows.gap) + 1, self.friction
             )
+        if self.friction:
+            self.rows.slip[: self.rows.count] = self.conditions.slip[self.rows.slot[: self.rows.count]]
 
     def evaluate(self, position: Floats) -> None:
         """Fill `conditions`; see `contactlab.api.ImplicitContact`."""
         began, c = perf_counter(), self.conditions
         c.present[:] = False
-        for number, (linear, memory) in enumerate(zip(self.linear, self.memories, strict=True)):
-            pair, stepped = linear.pair, self.stepped[number] if self.stepped else None
-            if stepped is None:
-                linear.evaluate(position, self.start, memory)
-            else:
-                stepped.move(position)
+        for linear in self.linear:
+            pair, own = linear.pair, linear.pair.own
+            linear.evaluate(position, self.start)
             examine_pair(pair)
-            own = pair.own
             flexibility = linear.flexibilities(self.flexibility)
             # without flexibility both sides are held: there is nothing that a force could do
-            c.present[own] = flexibility > 0.0
-            if stepped is not None:
-                c.present[own] &= stepped.present
+            c.present[own] = linear.present & (flexibility > 0.0)
             c.stiffness[own] = np.divide(1.0, flexibility, out=np.full(pair.slots, np.inf), where=flexibility > 0.0)
-            c.gap[own] = pair.gaps[:, 0] if stepped is None else stepped.gaps()
-            c.measure[own], c.size[own] = pair.cover, pair.full
+            c.gap[own], c.measure[own], c.size[own] = linear.gap, pair.cover, pair.full
             if self.friction:
-                slip = linear.slip if stepped is None else stepped.slips()
-                c.slip[own] = slip if len(slip) else 0.0
+                c.slip[own] = linear.slip if pair.friction is not None else 0.0
             if pair.sliding is not None:
                 self._write_bounds(pair)
         for pair in self.potentials:
@@ -206,26 +196,8 @@ class ImplicitContactSystem:
         tangential[:] = 0.0
         for pair in self.potentials:
             pair.add_forces(normal, tangential)
-        for stepped in self.stepped:
-            stepped.add_forces(self.conditions.force[:, stepped.linear.pair.own], normal, tangential)
-        if self.stepped:
-            return
-        for linear, memory in zip(self.linear, self.memories, strict=True):
-            if self.follows_gaps and isinstance(linear, PairLinearisation):
-                self._add_consistent(linear, memory, normal, tangential)
-            else:
-                linear.add_forces(self.conditions.force, normal, tangential)
-
-    def _add_consistent(self, linear: PairLinearisation, memory: Floats, normal: Floats, tangential: Floats) -> None:
-        """Normal forces along the derivatives of the gaps; those of friction by weights."""
-        force = self.conditions.force.copy()
-        own = force[0, linear.pair.own]
-        chosen = np.flatnonzero(own).astype(np.int32)
-        if len(chosen):
-            pushed = linear.gap_derivatives(chosen, memory).T @ own[chosen]
-            normal += pushed.reshape(-1, 2)
-        own[:] = 0.0
-        linear.add_forces(force, normal, tangential)
+        for linear in self.linear:
+            linear.add_forces(self.conditions.force, normal, tangential)
 
     @property
     def by_energy(self) -> bool:
@@ -239,7 +211,7 @@ class ImplicitContactSystem:
 
     def free_share(self, position: Floats, motion: Floats, depth: float) -> float:
         """How much of a motion no surface passes through; see `contactlab.api.ImplicitContact`."""
-        passage = first_passage(self.ruled, position, position + motion, depth)
+        passage = first_passage((linear.pair for linear in self.linear), position, position + motion, depth)
         allowed = (pair.free_share(position, motion) for pair in self.potentials)
         return min(1.0 if passage is None else passage.share, *allowed, 1.0)
 
@@ -272,72 +244,47 @@ class ImplicitContactSystem:
 
     def linearise(self, chosen: Ints) -> ContactDerivatives:
         """Derivatives of the chosen slots; see `contactlab.api.ImplicitContact`."""
-        began, force = perf_counter(), self.conditions.force
-        parts: list[PairDerivatives] = []
-        for number, (linear, memory) in enumerate(zip(self.linear, self.memories, strict=True)):
-            pair = linear.pair
-            own = pair.own
-            slots = chosen[(chosen >= own.start) & (chosen < own.stop)] - pair.first_slot
-            if self.stepped:
-                parts.append(self.stepped[number].linearise(slots, force[:, own]))
-                continue
-            y_t = force[1, own] if pair.friction is not None else None
-            found = linear.linearise(slots.astype(np.int32), force[0, own], y_t, memory)
-            consistent = self.follows_gaps and isinstance(linear, PairLinearisation)
-            # how directions change is taken from rows by weights: their own change needs second derivatives
-            parts.append(replace(found, normal=found.gap) if consistent else found)
-        derivatives = self._joined(parts) if parts else self._unconditional(len(chosen))
-        for potential in self.potentials:
-            force_derivative = derivatives.force + potential.force_derivative(2 * len(self.start))
-            derivatives = derivatives._replace(force=force_derivative)
-        self.seconds += perf_counter() - began
-        return derivatives
-
-    def directions(self, chosen: Ints) -> tuple[Any, Any]:
-        """Directions of impulses; see `contactlab.api.ImplicitContact`."""
-        if not self.stepped:
-            found = self.linearise(chosen)
-            return found.normal, found.tangent
-        normal, tangent = [], []
-        for stepped in self.stepped:
-            own = stepped.linear.pair.own
-            slots = chosen[(chosen >= own.start) & (chosen < own.stop)] - own.start
-            along, across = stepped.directions(slots)
-            normal.append(along)
-            tangent.append(along * 0.0 if across is None else across)
-        return _stacked(normal), _stacked(tangent) if self.friction else None
-
-    def _unconditional(self, rows: int) -> ContactDerivatives:
-        """Those of a model without conditions."""
-        size = 2 * len(self.start)
-        none = csr_array((rows, size))
-        tangent = none if self.friction else None
-        return ContactDerivatives(none, tangent, none, tangent, csr_array((size, size)))
-
-    def _joined(self, parts: list[PairDerivatives]) -> ContactDerivatives:
-        if len(parts) == 1:
-            p = parts[0]
-            return ContactDerivatives(p.normal, p.tangent, p.gap, p.slip, p.force)
-        tangent = [p.normal * 0.0 if p.tangent is None else p.tangent for p in parts] if self.friction else None
-        slip = [p.gap * 0.0 if p.slip is None else p.slip for p in parts] if self.friction else None
+        began, force, size = perf_counter(), self.conditions.force, 2 * len(self.start)
+        none = csr_array((0, size))
+        parts = [ContactDerivatives(none, None, none, None, csr_array((size, size)))] if not self.linear else []
+        for linear in self.linear:
+            own = linear.pair.own
+            parts.append(linear.linearise(_within(own, chosen), force[:, own]))
         total = parts[0].force
         for part in parts[1:]:
             total = total + part.force
-        return ContactDerivatives(
-            _stacked([p.normal for p in parts]),
-            _stacked(tangent),
-            _stacked([p.gap for p in parts]),
-            _stacked(slip),
-            total,
-        )
+        for potential in self.potentials:
+            total = total + potential.force_derivative(size)
+        normal, gap = _stacked([p.normal for p in parts]), _stacked([p.gap for p in parts])
+        tangent = slip = None
+        if self.friction:
+            tangent = _stacked([p.normal * 0.0 if p.tangent is None else p.tangent for p in parts])
+            slip = _stacked([p.gap * 0.0 if p.slip is None else p.slip for p in parts])
+        self.seconds += perf_counter() - began
+        return ContactDerivatives(normal, tangent, gap, slip, total)
+
+    def directions(self, chosen: Ints) -> tuple[Any, Any]:
+        """Directions of impulses; see `contactlab.api.ImplicitContact`."""
+        if not self.consistent:
+            found = self.linearise(chosen)
+            return found.normal, found.tangent
+        stepped = cast("tuple[StepRows, ...]", self.linear)
+        normal, tangent = zip(*(rows.directions(_within(rows.pair.own, chosen)) for rows in stepped), strict=True)
+        across = [n * 0.0 if t is None else t for n, t in zip(normal, tangent, strict=True)]
+        return _stacked(normal), _stacked(across) if self.friction else None
 
 
 _ALL = slice(None)
 SETTLED = 1e-5  # of the largest bound: what bounds that follow slips may still change by
 
 
-def _stacked(parts: list[Any] | None) -> Any:
-    return None if parts is None else vstack(parts, format="csr")
+def _within(own: slice, chosen: Ints) -> Ints:
+    """Those of the chosen slots that are a pair's `own`, counted from its first."""
+    return np.asarray(chosen[(chosen >= own.start) & (chosen < own.stop)] - own.start, np.int32)
+
+
+def _stacked(parts: Sequence[Any]) -> Any:
+    return parts[0] if len(parts) == 1 else vstack(parts, format="csr")
 
 
 def _conditions(pairs: tuple[ContactPair, ...], multipliers: Floats, friction: bool) -> Conditions:

@@ -9,16 +9,18 @@ g = nu . r. Their derivatives need those of D, M, T and nu alone, which are loca
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array
 
-from contactlab.api import Floats, Ints
+from contactlab.api import ContactDerivatives, Floats, Ints
 from contactlab.api.derivatives import PieceDerivatives
+from contactlab.api.surface import SurfacePositions
 from contactlab.contact.differences import DerivativesOfPieces
 from contactlab.contact.operator_pair import OperatorPair
+from contactlab.contact.pair import ContactPair
 from contactlab.kernels.contact import banded_rows, derivatives, rows
 from contactlab.kernels.contact.tables import BandedRows
 
@@ -28,49 +30,87 @@ if TYPE_CHECKING:
 CUT = 1e-13  # a weight below it moves a gap by less than round-off: linear problems end after one iteration
 
 
-@dataclass(frozen=True)
-class PairDerivatives:
-    """Derivatives by all degrees of freedom of the model; rows are the chosen multipliers of the pair.
+class Linearisation(ABC):
+    """Gaps, slips and nodal forces of one pair at trial positions, and their derivatives there.
 
-    normal, tangent   (c, 2N) directions of the multipliers' forces, transposed: force = normal^T y_n + tangent^T y_t
-    gap, slip         (c, 2N) derivatives of gaps and slips
-    force             (2N, 2N) derivative of the forces of all multipliers at fixed y
+    memory   what the algorithm remembers since the start of the step
+    present  (k,) which multipliers may have a condition
+    gap      (k,) [mm] `FAR` without a condition
+    slip     (k,) [mm] since the last accepted step; (0,) without friction
+    size     2N degrees of freedom
     """
 
-    normal: Any
-    tangent: Any
-    gap: Any
-    slip: Any
-    force: Any
+    pair: ContactPair
+
+    def __init__(self, pair: Any, nodes: int) -> None:
+        self.pair, self.size, k = pair, 2 * nodes, pair.slots
+        self.memory = np.zeros((pair.method.memory_size, len(pair.slave.nodes)))
+        self.present, self.gap = np.ones(k, np.bool_), pair.gaps[:, 0]
+        self.slip = np.zeros(k if pair.friction is not None else 0)
+
+    def begin(self, time: float, position: Floats, middle: Floats) -> None:  # noqa: B027 - most need no beginning
+        """A step starts at `time` [s] at `position` (N, 2) and leads by way of `middle`."""
+
+    @abstractmethod
+    def evaluate(self, position: Floats, start: Floats) -> None:
+        """Gaps of the pair, and slips since the positions `start` (N, 2) of the last accepted step."""
+
+    def accept(self) -> None:  # noqa: B027 - nor an end
+        """The step ends where it was evaluated last."""
+
+    @abstractmethod
+    def flexibilities(self, nodal: Floats) -> Floats:
+        """Displacement (k,) [mm/N] of each condition per unit of its force, from those of single nodes (N, 2)."""
+
+    @abstractmethod
+    def add_forces(self, multipliers: Floats, normal: Floats, tangential: Floats) -> None:
+        """Add the nodal forces of the model's multipliers to (N, 2) each; the second is (0, 2) without friction."""
+
+    @abstractmethod
+    def linearise(self, chosen: Ints, y: Floats) -> ContactDerivatives:
+        """Derivatives of the `chosen` multipliers (c,) where all have forces y (r, k) [N].
+
+        Without forces, r = 0, `force` is None.
+        """
+
+    def gap_derivatives(self, chosen: Ints) -> Any:
+        """Derivatives (c, 2N) of the gaps of the chosen multipliers alone."""
+        return self.linearise(chosen, np.zeros((0, self.pair.slots))).gap
+
+    @abstractmethod
+    def tangents(self, chosen: Ints) -> Any:
+        """Directions (c, 2N) of the friction of the chosen multipliers."""
 
 
-class PairLinearisation:
-    """Gaps and slips of one pair at trial positions, and their derivatives there."""
+class PairLinearisation(Linearisation):
+    """Of a pair whose algorithm gives operators, with forces along weights and normals as they are."""
+
+    pair: OperatorPair
 
     def __init__(self, pair: OperatorPair, nodes: int) -> None:
-        self.pair, self.size = pair, 2 * nodes
+        super().__init__(pair, nodes)
         self.derivatives = DerivativesOfPieces(pair)
         k = pair.slots
         self.inverse = BandedRows.allocate(k, 16)
-        self.slip = np.zeros(k if pair.friction is not None else 0)
         self.start_separation, self.start_gaps = np.zeros((k, 2)), np.zeros((k, 2))
 
-    def evaluate(self, position: Floats, start: Floats, memory: Floats) -> None:
-        """Gaps of the pair, and slips since the positions `start` (N, 2) of the last accepted step."""
+    def evaluate(self, position: Floats, start: Floats) -> None:
+        """Update the pair at `position`."""
         pair = self.pair
-        pair.update(position, memory)
+        pair.update(position, self.memory)
         sliding = pair.sliding
         if sliding is None:
             return
-        pair.compute_start_normals(start, memory)
+        pair.compute_start_normals(start, self.memory)
         # summed as the pair's own gaps are, so that a surface that has not moved has not slipped, to the last bit
         pair.separations(sliding.began, sliding.before, self.start_separation, self.start_gaps)
         np.subtract(pair.gaps[:, 1], self.start_gaps[:, 1], out=self.slip)
 
-    def linearise(self, chosen: Ints, y_n: Floats, y_t: Floats | None, memory: Floats) -> PairDerivatives:
-        """Derivatives of the `chosen` multipliers (c,) where all have forces y (k,) [N]."""
-        pair, pieces = self.pair, self.derivatives.of(memory)
-        normal, tangent = pair.pieces.normal, turned(pair.pieces.normal)
+    def linearise(self, chosen: Ints, y: Floats) -> ContactDerivatives:
+        """Sum derivatives of pieces, spread by T^-T."""
+        pair, pieces = self.pair, self.derivatives.of(self.memory)
+        y_n, y_t = parts_of(y, pair)
+        normal, tangent = pair.normals, turned(pair.normals)
         traction = self._tractions(y_n, y_t)
         inverse = self._inverse_transposed(chosen)
         size = np.hypot(*traction.T)
@@ -78,58 +118,44 @@ class PairLinearisation:
         wanted[inverse[1]] = True
         weights = self._weights(np.flatnonzero(wanted).astype(np.int32))
         dnormal = self._turned_normals(pieces, pieces.dnormal[: pieces.normal_count])
-        dweight = self._gap_derivatives(pieces, wanted, pair.at.slave, pair.at.master, pair.separation)
+        dweight = self._gap_derivatives(pieces, wanted, pair.at, pair.separation)
         gap = self._along(chosen, normal, inverse, weights, dweight) + self._rows(chosen, pair.separation) @ dnormal
         if pair.smooth is not None:
-            gap = gap + self._by_curves(pair.smooth, chosen, inverse, pieces, wanted, dnormal, memory)
-        force = self._force_derivative(pieces, wanted, traction, weights, y_n, y_t)
+            gap = gap + self._by_curves(pair.smooth, chosen, inverse, pieces, wanted, dnormal)
+        force = self._force_derivative(pieces, wanted, traction, weights, y_n, y_t) if len(y) else None
         if y_t is None:
-            return PairDerivatives(self._rows(chosen, normal) @ weights, None, gap, None, force)
+            return ContactDerivatives(self._rows(chosen, normal) @ weights, None, gap, None, force)
         # tau . r = nu . (r turned by +90 degrees)
         slip = self._along(chosen, tangent, inverse, weights, dweight)
         slip = slip - self._rows(chosen, turned(pair.separation)) @ dnormal
         assert pair.sliding is not None
-        start = pair.sliding.began
-        began = self._gap_derivatives(pieces, wanted, start.slave, start.master, self.start_separation)
+        began = self._gap_derivatives(pieces, wanted, pair.sliding.began, self.start_separation)
         slip = slip - self._spread(chosen, turned(pair.sliding.before), inverse) @ began
-        return PairDerivatives(
+        return ContactDerivatives(
             self._rows(chosen, normal) @ weights, self._rows(chosen, tangent) @ weights, gap, slip, force
         )
 
-    def gap_derivatives(self, chosen: Ints, memory: Floats) -> Any:
-        """Derivatives (c, 2N) of the gaps of the chosen multipliers alone."""
-        pair, pieces = self.pair, self.derivatives.of(memory)
-        wanted: Any = np.zeros(pair.slots, np.bool_)
-        inverse = self._inverse_transposed(chosen)
-        wanted[inverse[1]] = True
-        dnormal = self._turned_normals(pieces, pieces.dnormal[: pieces.normal_count])
-        dweight = self._gap_derivatives(pieces, wanted, pair.at.slave, pair.at.master, pair.separation)
-        weights = self._weights(np.flatnonzero(wanted).astype(np.int32))
-        gap = self._along(chosen, pair.pieces.normal, inverse, weights, dweight)
-        gap = gap + self._rows(chosen, pair.separation) @ dnormal
-        if pair.smooth is not None:
-            gap = gap + self._by_curves(pair.smooth, chosen, inverse, pieces, wanted, dnormal, memory)
-        return gap
-
     def tangents(self, chosen: Ints) -> Any:
-        """Directions (c, 2N) of the friction of the chosen multipliers."""
-        return self._rows(chosen, turned(self.pair.pieces.normal)) @ self._weights(chosen)
+        """Weights times tangents."""
+        return self._rows(chosen, turned(self.pair.normals)) @ self._weights(chosen)
 
     def flexibilities(self, nodal: Floats) -> Floats:
-        """Displacement (k,) [mm/N] of each condition per unit of its force, from those of single nodes (N, 2)."""
+        """Sum squared weights."""
         out = np.zeros(self.pair.slots)
-        rows.flexibilities(self.pair.rows_address, nodal, out)
+        self.pair.weights()
+        rows.flexibilities(self.pair.address, nodal, out)
         return out
 
     def add_forces(self, multipliers: Floats, normal: Floats, tangential: Floats) -> None:
-        """Add the nodal forces of the model's multipliers to (N, 2) each; the second is (0, 2) without friction."""
-        rows.add_forces(self.pair.rows_address, multipliers, self.pair.first_slot, normal, tangential)
+        """Weights times multipliers."""
+        self.pair.weights()
+        rows.add_forces(self.pair.address, multipliers, self.pair.first_slot, normal, tangential)
 
     # --- the pair's own operators -----------------------------------------------------------------
 
     def _tractions(self, y_n: Floats, y_t: Floats | None) -> Floats:
         """a = T^-1 q (k, 2) of the kept multipliers, zero elsewhere."""
-        pair, normal = self.pair, self.pair.pieces.normal
+        pair, normal = self.pair, self.pair.normals
         q = y_n[:, None] * normal
         if y_t is not None:
             q += y_t[:, None] * turned(normal)
@@ -184,27 +210,25 @@ class PairLinearisation:
         return self._matrix(_both(pieces.normal_of[:count]), columns, values.ravel(), 2 * self.pair.slots)
 
     def _gap_derivatives(
-        self, pieces: PieceDerivatives, wanted: Floats, slave_at: Floats, master_at: Floats, separation: Floats
+        self, pieces: PieceDerivatives, wanted: Floats, at: SurfacePositions, separation: Floats
     ) -> Any:
         pair, out = self.pair, _triplets(2 * pieces.count * pieces.multiplier.shape[1])
         nodes = pair.slave.nodes, pair.master.nodes
-        at = slave_at, master_at
         count = derivatives.gap_derivatives(
-            pieces.count, _arrays(pieces), pair.coupling.owner, wanted, at, separation, nodes, out
+            pieces.count, _arrays(pieces), pair.coupling.owner, wanted, tuple(at), separation, nodes, out
         )
         return self._matrix(*_first(out, count), 2 * pair.slots)
 
     def _by_curves(
-        self, smooth: SmoothSurfaces, chosen: Ints, inverse: Any, pieces: PieceDerivatives, wanted: Floats,
-        dnormal: Any, memory: Floats,
-    ) -> Any:  # fmt: skip
+        self, smooth: SmoothSurfaces, chosen: Ints, inverse: Any, pieces: PieceDerivatives, wanted: Floats, dnormal: Any
+    ) -> Any:
         """What smooth surfaces add to the derivatives of gaps: nu . c, c = T^-T C, changes with nu, T and C."""
         pair = self.pair
         shift = smooth.shifts(pair.at)
-        slave, master = (np.zeros_like(at) for at in pair.at)
-        change = self._gap_derivatives(pieces, wanted, slave, master, shift)
-        change = change + self._matrix(*smooth.derivatives(memory), 2 * pair.slots)
-        return self._spread(chosen, pair.pieces.normal, inverse) @ change + self._rows(chosen, shift) @ dnormal
+        nowhere = SurfacePositions(*(np.zeros_like(at) for at in pair.at))
+        change = self._gap_derivatives(pieces, wanted, nowhere, shift)
+        change = change + self._matrix(*smooth.derivatives(self.memory), 2 * pair.slots)
+        return self._spread(chosen, pair.normals, inverse) @ change + self._rows(chosen, shift) @ dnormal
 
     def _force_derivative(
         self, pieces: PieceDerivatives, wanted: Floats, traction: Floats, weights: Any, y_n: Floats, y_t: Floats | None
@@ -225,6 +249,30 @@ class PairLinearisation:
 
     def _matrix(self, row: Ints, column: Ints, value: Floats, rows: int) -> Any:
         return coo_array((value, (row, column)), shape=(rows, self.size)).tocsr()
+
+
+class ConsistentLinearisation(PairLinearisation):
+    """The same with normal forces along the derivatives of the gaps; those of friction stay along weights."""
+
+    def add_forces(self, multipliers: Floats, normal: Floats, tangential: Floats) -> None:
+        """Derivatives of gaps times multipliers, weights times those of friction."""
+        force = multipliers.copy()
+        own = force[0, self.pair.own]
+        chosen = np.flatnonzero(own).astype(np.int32)
+        if len(chosen):
+            normal += (self.gap_derivatives(chosen).T @ own[chosen]).reshape(-1, 2)
+        own[:] = 0.0
+        super().add_forces(force, normal, tangential)
+
+    def linearise(self, chosen: Ints, y: Floats) -> ContactDerivatives:
+        """How directions change is taken from rows by weights: their own change needs second derivatives."""
+        found = super().linearise(chosen, y)
+        return found._replace(normal=found.gap)
+
+
+def parts_of(y: Floats, pair: ContactPair) -> tuple[Floats, Floats | None]:
+    """Normal forces (k,) of a pair, zero where none are given, and tangential ones; None without friction."""
+    return (y[0] if len(y) else np.zeros(pair.slots)), y[1] if len(y) > 1 and pair.friction is not None else None
 
 
 def turned(vectors: Floats) -> Floats:

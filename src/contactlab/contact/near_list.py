@@ -8,8 +8,7 @@ import numpy as np
 
 from contactlab.api import Candidates, Floats, Surface
 from contactlab.api.surface import SurfacePositions
-from contactlab.kernels.contact.edges import largest_move
-from contactlab.kernels.contact.search import near_segments
+from contactlab.kernels.contact.search import largest_move, near_segments
 
 REACH = 2.0  # segment lengths: farther slave segments are left out of the integrals
 SKIN = 0.5  # segment lengths that surfaces may move before the near lists are made anew

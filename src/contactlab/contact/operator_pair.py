@@ -8,23 +8,29 @@ import numpy as np
 
 from contactlab.api import ContactAlgorithm, FactoredRows, Floats, FrictionLaw, Ints, Pieces, Rows, Surface
 from contactlab.api.arrays import Flags
+from contactlab.api.compiled.bound_arrays import BoundArrays
 from contactlab.api.surface import SurfacePositions
 from contactlab.contact.coupling import Coupling
 from contactlab.contact.examination import copies, refuse_written
 from contactlab.contact.near_list import SKIN, Near
-from contactlab.contact.operator_arrays import OperatorArrays
 from contactlab.contact.pair import ContactPair
 from contactlab.errors import SceneError, WrongAnswer
+from contactlab.kernels.contact import banded_rows, rows
 from contactlab.kernels.contact import pair as kernels
-from contactlab.kernels.contact import rows
 from contactlab.kernels.contact.factored_rows import FAR
-from contactlab.kernels.contact.tables import WeightsTable
+from contactlab.kernels.contact.tables import BandedRows, BothSides, PairTable
 
 
 class OperatorPair(ContactPair):
     """A slave and a master surface under one `ContactAlgorithm`.
 
-    count  number of pieces of the last `update`
+    Kernels find its arrays, a `PairTable`, at `address`. Arrays that lack room are exchanged, and all bound again.
+
+    count       number of pieces of the last `update`
+    pieces      their arrays, `count` of them in use
+    coupling    the factorised T of the last `update`, columns those of D and M
+    separation  (k, 2) [mm] weighted positions of the slave minus those of the master, where they were last measured
+    measured    positions of the nodes of both sides, where gaps are measured
     """
 
     factored = True
@@ -42,56 +48,32 @@ class OperatorPair(ContactPair):
     ) -> None:
         algorithm = algorithm if friction is None else algorithm.with_friction()
         super().__init__(name, algorithm, slave, master, reference, first_slot, friction)
-        self.algorithm, self.count = algorithm, 0
-        coupling = Coupling(slave, algorithm.rows_per_node, algorithm.carriers(slave), fixed, algorithm.merged_below)
-        self.arrays = OperatorArrays(slave, master, self.at, self.gaps, _widths(algorithm, slave, master), coupling)
-        self.skin = SKIN * self.size
-        self._unchecked = True
+        self.algorithm, self.count, k = algorithm, 0, self.slots
+        self.coupling = Coupling(
+            slave, algorithm.rows_per_node, algorithm.carriers(slave), fixed, algorithm.merged_below
+        )
+        self.cover, self.full, self.widths = self.coupling.cover, self.coupling.full, _widths(algorithm, slave, master)
+        self.measured, self.separation = SurfacePositions(*(x.copy() for x in self.at)), np.zeros((k, 2))
+        self.pieces = Pieces.allocate(0, self.widths, k)
+        self.columns = BothSides(BandedRows.allocate(k, 8), BandedRows.allocate(k, 8))
+        self._weights = BothSides(BandedRows.allocate(k, 8), BandedRows.allocate(k, 64))
+        self._solved, self._unchecked = False, True
+        self._bind()
 
-    @property
-    def pieces(self) -> Pieces:
-        """Segment contributions, `count` of them of the last `update`."""
-        return self.arrays.pieces
-
-    @property
-    def coupling(self) -> Coupling:
-        """The factorised T of the last `update`."""
-        return self.arrays.coupling
-
-    @property
-    def separation(self) -> Floats:
-        """Weighted positions of the slave minus those of the master (k, 2) [mm], where they were last measured."""
-        return self.arrays.separation
-
-    @property
-    def normals(self) -> Floats:
-        """Unit vectors (k, 2) of all multipliers, from the master towards the slave, of the last `update`."""
-        return self.arrays.pieces.normal
+    def _bind(self) -> None:
+        slave, near = self.slave, self.near
+        known = (near.slave, near.master) if near is not None else tuple(np.full_like(x, np.inf) for x in self.at)
+        places = (slave.nodes, self.master.nodes, slave.segments, slave.node_segments, *self.at, *self.measured, *known)
+        self.normals = self.pieces.normal
+        self.bound = BoundArrays(
+            PairTable, places, self.coupling.table, self.pieces, self.columns, self.separation, self.gaps, self._weights
+        )
+        self.address = self.bound.address
 
     @property
     def between(self) -> tuple[Ints, Ints, Ints]:
         """Slave nodes that carry no multiplier, and the carriers that follow and precede each."""
         return self.coupling.between(len(self.slave.nodes))
-
-    @property
-    def cover(self) -> Floats:
-        """Covered length (k,) [mm] of each multiplier, of the last `update`."""
-        return self.arrays.coupling.cover
-
-    @property
-    def full(self) -> Floats:
-        """Length (k,) [mm] of each multiplier on full cover."""
-        return self.arrays.coupling.full
-
-    def weights(self) -> WeightsTable:
-        """Weights of both sides' nodes in each condition of the last update, made when they are first asked for."""
-        return self.arrays.weights()
-
-    @property
-    def rows_address(self) -> int:
-        """Where kernels find the arrays of this pair, `weights` up to date."""
-        self.arrays.weights()
-        return self.arrays.address
 
     def calls_per_step(self) -> dict[str, int]:
         """Pieces once, normals at the start of the step once with friction."""
@@ -101,39 +83,38 @@ class OperatorPair(ContactPair):
 
     def update(self, positions: Floats, memory: Floats) -> None:
         """Search, integrate and factorise at `positions` (N, 2)."""
-        self._make(positions, positions, positions, memory, kernels.AT | kernels.MEASURED)
+        self._make(positions, positions, positions, memory, False)
 
     def update_pushed(self, predicted: Floats, compliance: Floats, force: Floats, memory: Floats) -> None:
-        """`update` at predicted + compliance * force, all (N, 2), and `compute_gaps` at `predicted`."""
-        self._make(predicted, compliance, force, memory, kernels.AT | kernels.MEASURED | kernels.PUSHED)
+        """`update` at predicted + compliance * force, all (N, 2), and gaps at `predicted`."""
+        self._make(predicted, compliance, force, memory, True)
 
-    def _make(self, positions: Floats, compliance: Floats, force: Floats, memory: Floats, asked: int) -> None:
-        if not kernels.place(self.arrays.address, positions, compliance, force, asked) <= self.skin:
+    def _make(self, positions: Floats, compliance: Floats, force: Floats, memory: Floats, pushed: bool) -> None:
+        if not kernels.place(self.address, positions, compliance, force, pushed) <= SKIN * self.size:
             self.find_near(self.at.slave, self.at.master)
-        pieces = self.arrays.pieces
+        pieces = self.pieces
         view = self.seen(memory)
         before = copies(view) if self._unchecked else {}
         count = self.algorithm.pieces(view, pieces)
         if before:
             refuse_written(view, before, self.algorithm, "pieces")
         if before or type(count) is not int or not 0 <= count <= len(pieces.slave):
-            self._check(count)
+            # compiled code would follow pieces that point outside the arrays
+            nodes = len(self.slave.nodes), len(self.master.nodes)
+            refuse_wrong(pieces, count, *nodes, type(self.algorithm).__name__)
+            self._unchecked = False
         self.count = count
         self._join()
         if self.smooth is not None:
             self.smooth.update(memory)
-            self.smooth.add(self.arrays.measured, self.gaps)
+            self.smooth.add(self.measured, self.gaps)
         self._take_start_gaps(self.gaps)
-
-    def _check(self, count: Any) -> None:
-        """Raise WrongAnswer for pieces that point outside the arrays, which compiled code would follow."""
-        refuse_wrong(self.pieces, count, len(self.slave.nodes), len(self.master.nodes), type(self.algorithm).__name__)
-        self._unchecked = False
 
     def _join(self) -> None:
         """Coupling, columns (widened as needed) and gaps of the pieces."""
+        straight, k = self.slave.edges.shape[1] == 2, self.slots
         while True:
-            kept, lacking, missing = kernels.join(self.arrays.address, self.count, self.slave.edges.shape[1] == 2)
+            kept, slave, master = kernels.join(self.address, self.count, straight)
             if kept < 0:
                 raise SceneError(
                     "the slave is a closed curve that is covered all around: its conditions are coupled without an end",
@@ -143,18 +124,15 @@ class OperatorPair(ContactPair):
                     hint='write algorithm = "node-on-segment", or cut the edge set in two under [bodies.NAME.sets] and '
                     "declare a contact for each half; to swap the sides helps only where the other one is open",
                 )
-            if not lacking and not missing:
+            if not slave and not master:
                 break
-            self.arrays.widen(lacking, missing)
-        self.arrays.joined()
-
-    def compute_gaps(self, positions: Floats) -> None:
-        """Separations and gaps of all kept multipliers at `positions`, with the rows of the last `update`."""
-        kernels.place(self.arrays.address, positions, positions, positions, kernels.MEASURED)
-        kernels.compute_gaps(self.arrays.address)
-        if self.smooth is not None:
-            self.smooth.add(self.arrays.measured, self.gaps)
-        self._take_start_gaps(self.gaps)
+            own, other = self.columns
+            self.columns = BothSides(
+                BandedRows.allocate(k, slave + slave // 2) if slave else own,
+                BandedRows.allocate(k, master + master // 2) if master else other,
+            )
+            self._bind()
+        self._solved = False
 
     def gaps_at(self, positions: Floats) -> Floats:
         """Gaps (k, 2) at `positions` with the rows of the last `update`, in an array of their own."""
@@ -167,7 +145,7 @@ class OperatorPair(ContactPair):
 
     def separations(self, at: SurfacePositions, normals: Floats, separation: Floats, gaps: Floats) -> None:
         """Separations (k, 2) and gaps (k, 2) of surfaces at `at`, with the coupling of the last `update`."""
-        kernels.compute_gaps_at(self.arrays.address, at, normals, separation, gaps)
+        kernels.compute_gaps_at(self.address, at, normals, separation, gaps)
 
     def compute_start_normals(self, positions: Floats, memory: Floats) -> None:
         """Normals of the present pieces at `positions`, where the step starts (friction only)."""
@@ -177,15 +155,33 @@ class OperatorPair(ContactPair):
     def find_near(self, slave: Floats, master: Floats) -> Near:
         """Make the near list anew, for these positions of the surfaces (m, 2)."""
         near = super().find_near(slave, master)
-        self.arrays.use(near, self.algorithm.capacity(self.slave, near.candidates))
+        capacity = self.algorithm.capacity(self.slave, near.candidates)
+        if capacity > len(self.pieces.slave):
+            self.pieces = Pieces.allocate(capacity + capacity // 4, self.widths, self.slots)
+        self._bind()
         self._unchecked = True
         return near
 
     # --- from coupling to rows ------------------------------------------------------------------
 
+    def weights(self) -> BothSides:
+        """Weights of both sides' nodes in each condition of the last update, made when they are first asked for."""
+        if not self._solved:
+            slave, master = self._weights
+            if self.coupling.table.single[0]:
+                banded_rows.own_nodes(self.coupling.bound.address, len(self.slave.nodes), slave)
+            else:
+                slave = self.coupling.rows(self.columns.slave, slave)
+            master = self.coupling.rows(self.columns.master, master)
+            if slave is not self._weights.slave or master is not self._weights.master:
+                self._weights = BothSides(slave, master)
+                self._bind()
+            self._solved = True
+        return self._weights
+
     def append_factored(self, out: FactoredRows) -> bool:
         """Append all conditions to `out`; False where it is too small."""
-        count = kernels.append_factored(self.arrays.address, self.first_slot, out.count, out.packed.address)
+        count = kernels.append_factored(self.address, self.first_slot, out.count, out.packed.address)
         if count >= 0:
             out.count = count
         return bool(count >= 0)
@@ -195,8 +191,9 @@ class OperatorPair(ContactPair):
         if self.everywhere:
             margin = FAR
         first = out.count
+        self.weights()
         count, end = rows.write_rows(
-            self.rows_address, min(margin, FAR), multipliers, self.first_slot, first, entries, out.packed.address
+            self.address, min(margin, FAR), multipliers, self.first_slot, first, entries, out.packed.address
         )
         if count < 0:
             return -1

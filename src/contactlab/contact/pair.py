@@ -24,8 +24,9 @@ from contactlab.api.surface import SurfacePositions
 from contactlab.contact.near_list import REACH, Near, longest_segment, segment_lengths
 from contactlab.contact.sliding import sliding_of
 from contactlab.contact.start_gaps import StartGaps
-from contactlab.kernels.contact import edges, rows
+from contactlab.kernels.contact import rows
 from contactlab.kernels.contact.factored_rows import FAR
+from contactlab.kernels.contact.search import take
 
 if TYPE_CHECKING:
     from contactlab.contact.smooth_surfaces import SmoothSurfaces
@@ -64,6 +65,9 @@ class ContactPair(ABC):
     held       [mm] depth up to which conditions of every algorithm hold nodes of the slave
     at         positions of the nodes of both sides, where conditions are made
     gaps       (k, 2) [mm] normal gaps and tangential separations, where they were last measured
+    normals    (k, 2) unit vectors of all multipliers, from the master towards the slave, of the last `update`
+    cover      (k,) [mm] length that each multiplier stands for, of the last `update`, 0 without a condition
+    full       (k,) [mm] length of the slave segments at each multiplier, on full cover, of the last `update`
     start_gaps what of the gaps at the start does not count; None where they count in full
     smooth     curves that gaps are measured between; None where they are measured between segments
     sliding    what friction needs; None without
@@ -72,6 +76,10 @@ class ContactPair(ABC):
     evaluated  whether the conditions are those of the last accepted step
     search_s   wall time [s] spent on near lists
     """
+
+    normals: Floats
+    cover: Floats
+    full: Floats
 
     factored: ClassVar[bool] = False
     """Whether conditions can be given as `FactoredRows`."""
@@ -128,21 +136,6 @@ class ContactPair(ABC):
         return self.sliding is not None and self.sliding.everywhere
 
     @property
-    @abstractmethod
-    def normals(self) -> Floats:
-        """Unit vectors (k, 2) of all multipliers, from the master towards the slave, of the last `update`."""
-
-    @property
-    @abstractmethod
-    def cover(self) -> Floats:
-        """Length (k,) [mm] that each multiplier stands for, of the last `update`."""
-
-    @property
-    @abstractmethod
-    def full(self) -> Floats:
-        """Length (k,) [mm] of the slave segments at each multiplier, on full cover, of the last `update`."""
-
-    @property
     def between(self) -> tuple[Ints, Ints, Ints]:
         """Slave nodes that carry no multiplier, and the carriers that follow and precede each."""
         none = np.zeros(0, np.int32)
@@ -160,11 +153,12 @@ class ContactPair(ABC):
 
     @abstractmethod
     def update_pushed(self, predicted: Floats, compliance: Floats, force: Floats, memory: Floats) -> None:
-        """`update` at predicted + compliance * force, all (N, 2), and `compute_gaps` at `predicted`."""
+        """`update` at predicted + compliance * force, all (N, 2), and gaps at `predicted`."""
 
-    @abstractmethod
     def compute_gaps(self, positions: Floats) -> None:
         """Gaps at `positions` (N, 2), with the conditions of the last `update`."""
+        self.gaps[:] = self.gaps_at(positions)
+        self._take_start_gaps(self.gaps)
 
     @abstractmethod
     def gaps_at(self, positions: Floats) -> Floats:
@@ -199,8 +193,8 @@ class ContactPair(ABC):
         """What the algorithm sees at the start of the step, with friction."""
         assert self.sliding is not None
         began = self.sliding.began
-        edges.take(positions, self.slave.nodes, began.slave)
-        edges.take(positions, self.master.nodes, began.master)
+        take(positions, self.slave.nodes, began.slave)
+        take(positions, self.master.nodes, began.master)
         return self.sliding.view(self.seen(memory))
 
     @property

@@ -197,7 +197,7 @@ class PotentialPair(GapPair):
             inward = np.where(pressed[:, None], push / np.where(pressed, size, 1.0)[:, None], -normal)
             along = np.stack([inward[:, 1], -inward[:, 0]], axis=1)
             pressure, shear = (push * inward).sum(axis=1) / full, (rub * along).sum(axis=1) / full
-            self.made.normals[:] = inward
+            self.normals[:] = inward
         else:
             pressure, shear = found
         own = slice(self.first_slot, self.first_slot + m)

@@ -46,7 +46,7 @@ class SmoothSurfaces:
         """What curves add to separations (k, 2) [mm] at positions `at`, until they are next asked for."""
         pair, shift = self.pair, self.shift
         places, moments = pair.pieces.segment, self.moments
-        kernels.shifts(pair.arrays.address, pair.count, tuple(at), self.sides, places, moments, shift)
+        kernels.shifts(pair.address, pair.count, tuple(at), self.sides, places, moments, shift)
         return shift
 
     def add(self, at: SurfacePositions, gaps: Floats) -> None:

@@ -95,19 +95,19 @@ def _compiled(model: Model, pair: OperatorPair, columns: dict[str, np.ndarray]) 
     contact: Any = model.contact
     slid, compliance = np.zeros(pair.slots), np.zeros_like(model.reference)
     bound = _bound(model, pair, columns, slid, compliance)
-    address, arrays, uncounted = bound.address, pair.arrays, _uncounted(pair)
+    address, uncounted = bound.address, _uncounted(pair)
     own = pair.own
 
     def record(row: int) -> None:
         rows = contact.rows
         if pair.friction is not None:
             np.copyto(compliance, contact.compliance)
-        record_pair(row, arrays.address, address, rows.packed.address, rows.count, uncounted())
+        record_pair(row, pair.address, address, rows.packed.address, rows.count, uncounted())
 
     def record_implicit(row: int) -> None:
         if pair.friction is not None:
             slid[:] = contact.conditions.slip[own]
-        record_pair(row, arrays.address, address, 0, -1, uncounted())
+        record_pair(row, pair.address, address, 0, -1, uncounted())
 
     chosen = record_implicit if hasattr(contact, "conditions") else record
     chosen.bound = bound  # type: ignore[attr-defined]  # keeps the addresses good

@@ -81,7 +81,7 @@ class FrictionError:
         self.numbers[GAP] = np.where(c.present & (c.force[0] <= 0.0), c.gap, np.nan)
 
     def _rubbing(self) -> Iterator[ContactPair]:
-        yield from (pair for pair in self.contact.ruled if pair.friction is not None)
+        yield from (linear.pair for linear in self.contact.linear if linear.pair.friction is not None)
 
     def _response(self) -> Response:
         out = Response.allocate(*self.contact.conditions.force.shape)

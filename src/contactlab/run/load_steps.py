@@ -86,7 +86,9 @@ class LoadSchedule(Schedule):
 
             self.contact_times = ContactTimes(self.model, self.wished * total)
         self.friction_error: FrictionError | None = None
-        if (contact := self._contact()) is not None and any(pair.friction is not None for pair in contact.ruled):
+        if (contact := self._contact()) is not None and any(
+            linear.pair.friction is not None for linear in contact.linear
+        ):
             from contactlab.run.friction_error import FrictionError
 
             self.friction_error = FrictionError(cast("ImplicitModel", self.model))

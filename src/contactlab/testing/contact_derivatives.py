@@ -64,11 +64,11 @@ class _Trial:
         law, free = Rough() if friction else None, np.zeros(len(at.slave.nodes), np.bool_)
         self.pair = contact_pair("contact", algorithm, (at.slave, at.master), at.nodes, 0, law, free)
         self.linear = linearised(self.pair, nodes)
-        self.memory = np.zeros((algorithm.memory_size, len(at.slave.nodes)))
 
     def gaps(self, position: Floats) -> Floats:
         """Gaps (k,) of all multipliers; what it remembers is left as it was."""
-        self.linear.evaluate(position, self.start, self.memory.copy())
+        self.linear.memory[:] = 0.0
+        self.linear.evaluate(position, self.start)
         return np.array(self.pair.gaps[:, 0])
 
     def answers(self, position: Floats, chosen: Ints, y: Floats) -> Answers:
@@ -111,7 +111,7 @@ def _against_differences(algorithm: ContactMethod, at: Chains, friction: bool, w
         y[1, chosen] = draw.uniform(-1.0, 1.0, len(chosen))
     move = draw.uniform(-1.0, 1.0, position.shape)
     trial.gaps(position)
-    given = trial.linear.linearise(chosen, y[0], y[1] if friction else None, trial.memory.copy())
+    given = trial.linear.linearise(chosen, y)
     within = GAPS, SLIPS.get(where.partition(",")[0], GAPS), FORCES
     against_differences(given, lambda at: trial.answers(at, chosen, y), position, move, within, where)
 

@@ -125,7 +125,7 @@ def test_differences_are_the_derivatives_given(registry: Registry) -> None:
     model, position = shaken(pressed("closest-point", registry), registry)
     assert model.contact is not None
     model.contact.evaluate(position)
-    pair, memory = model.contact.pairs[0], model.contact.memories[0]
+    pair, memory = model.contact.pairs[0], model.contact.linear[0].memory
     by_differences = ConditionDifferences(pair).of(memory)  # type: ignore[arg-type]
     tables = tables_of(pair, memory, position, by_differences)
     assert np.abs(tables[0]).max() > 1.0
@@ -142,7 +142,7 @@ def test_differences_on_graded_meshes(registry: Registry) -> None:
     model, position = shaken(pressed("closest-point", registry).with_(keys), registry, 1e-6)
     assert model.contact is not None
     model.contact.evaluate(position)
-    pair, memory = model.contact.pairs[0], model.contact.memories[0]
+    pair, memory = model.contact.pairs[0], model.contact.linear[0].memory
     differences = ConditionDifferences(pair)  # type: ignore[arg-type]
     lengths = differences.size[pair.slave.nodes]
     assert lengths.max() > 100.0 * lengths.min()

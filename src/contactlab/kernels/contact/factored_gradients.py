@@ -220,7 +220,7 @@ def _write_entries(k, pair, ends, at, angle_at, rows):
     What belongs to a slave segment is summed over its pieces; a node of the master that ends one piece begins the next.
     """
     begin, angle_begin, local, zero = at, angle_at, ends.local, (0.0, 0.0, 0.0, 0.0)
-    single = pair.columns.single[0]
+    single = pair.coupling.single[0]
     slave, slave_blocks, angles, levers, waiting, kept = (-1, -1), (zero, zero), (-1, -1), zero, -1, zero
     for p in range(ends.first[k], ends.last[k] + 1):
         d0, d1, m0, m1, whole, ahead = _own_sums(p, k, pair.pieces, pair.coupling.owner)
@@ -263,9 +263,9 @@ def _finish_row(row, k, first_slot, pair, ends, rows):
     """All of condition k that is no entry."""
     f, c, at = rows.factors, pair.coupling, pair.places
     nx, ny, p = pair.pieces.normal[k, 0], pair.pieces.normal[k, 1], c.previous[k]
-    x, y = pair.gaps.separation[k, 0], pair.gaps.separation[k, 1]
-    f.own[row] = _local(at.slave[k], ends.number, rows) if pair.columns.single[0] else -1
-    f.normal[row, 0], f.normal[row, 1], f.gap[row] = nx, ny, pair.gaps.gaps[k, 0]
+    x, y = pair.separation[k, 0], pair.separation[k, 1]
+    f.own[row] = _local(at.slave[k], ends.number, rows) if pair.coupling.single[0] else -1
+    f.normal[row, 0], f.normal[row, 1], f.gap[row] = nx, ny, pair.gaps[k, 0]
     f.size[row], f.slot[row] = c.full[k], first_slot + k
     f.above[row], f.below[row] = (c.upper[p], c.lower[k]) if p >= 0 else (0.0, 0.0)
     f.inverse[row] = 1.0 / c.pivot[k]

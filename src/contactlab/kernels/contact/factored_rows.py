@@ -36,7 +36,7 @@ def separations(c, columns, at, normals, separation, gaps):
     Both substitutions with T^T carry the last place of a chain in x and y, as `order` goes along the chains.
     """
     slave_at, master_at = at
-    single, order, kept, nodes = columns.single[0], c.order, c.kept[0], slave_at.shape[0]
+    single, order, kept, nodes = c.single[0], c.order, c.kept[0], slave_at.shape[0]
     pivot, lower, upper, next_, previous = c.pivot, c.lower, c.upper, c.next, c.previous
     for k in range(gaps.shape[0]):
         gaps[k, 0] = FAR
@@ -75,7 +75,7 @@ def largest_sideways(bound):
     c, largest = pair.coupling, 0.0
     for i in range(c.kept[0]):
         k = c.order[i]
-        largest = max(largest, abs(pair.gaps.gaps[k, 1]) / c.full[k])
+        largest = max(largest, abs(pair.gaps[k, 1]) / c.full[k])
     return largest
 
 
@@ -131,7 +131,7 @@ def write_factored(pair, first_slot, row, out):
     out = a `FactoredTable`, `row` of it in use
     """
     c, columns, slave, master = pair.coupling, pair.columns, pair.places.slave, pair.places.master
-    single, normal, gaps = columns.single[0], pair.pieces.normal, pair.gaps.gaps
+    single, normal, gaps = c.single[0], pair.pieces.normal, pair.gaps
     at = out.start[row]
     for i in range(c.kept[0]):
         k = c.order[i]

@@ -83,7 +83,7 @@ def _weights(pair, gradients, entries, row_of, place, P, W):
     c, m = pair.coupling, pair.places.slave.size
     for i in range(P.shape[0]):
         k = c.order[i]
-        if not pair.columns.single[0]:
+        if not pair.coupling.single[0]:
             _put_columns(i, pair.columns.slave, k, 1.0, 0, place, P)
         _put_columns(i, pair.columns.master, k, -1.0, m, place, P)
         for n in range(P.shape[1]):
@@ -173,14 +173,14 @@ def write_rows(bound, bound_gradients, used, margin, multipliers, first_slot, en
     _solve(c, W.reshape(kept, 4 * size))
     if friction:
         _solve(c, P)
-    _turning(gradients, used[2], pair.gaps.separation, row_of, place, across, along)
+    _turning(gradients, used[2], pair.separation, row_of, place, across, along)
     for i in range(kept):
         k = c.order[i]
-        if pair.gaps.gaps[k, 0] >= margin and multipliers[0, first_slot + k] <= 0.0:
+        if pair.gaps[k, 0] >= margin and multipliers[0, first_slot + k] <= 0.0:
             continue
         if row >= rows.gap.size or at + size > rows.node.size:
             return -1, 0
-        if pair.columns.single[0]:
+        if pair.coupling.single[0]:
             own = place[k % m]
             W[i, 0, 2 * own] += 1.0
             W[i, 1, 2 * own + 1] += 1.0
@@ -188,7 +188,7 @@ def write_rows(bound, bound_gradients, used, margin, multipliers, first_slot, en
         rows.start[row] = at
         at = _entries(P[i], W[i], across[i], along[i if friction else 0 :], pair.pieces.normal[k], node_of, at, rows)
         rows.start[row + 1] = at
-        rows.gap[row], rows.measure[row], rows.size[row] = pair.gaps.gaps[k, 0], c.cover[k], c.full[k]
+        rows.gap[row], rows.measure[row], rows.size[row] = pair.gaps[k, 0], c.cover[k], c.full[k]
         rows.slot[row] = first_slot + k
         row += 1
     return row, at

@@ -11,29 +11,24 @@ from contactlab.api.compiled.kernel import kernel, section
 from contactlab.api.compiled.unpack import unpack
 from contactlab.kernels.contact.banded_rows import fill_columns
 from contactlab.kernels.contact.coupling import couple, unmerged
-from contactlab.kernels.contact.edges import largest_move, take
 from contactlab.kernels.contact.factored_rows import separations, write_factored
+from contactlab.kernels.contact.search import largest_move, take
 from contactlab.kernels.contact.tables import PairTable
-
-AT, MEASURED, PUSHED = 1, 2, 4  # what `place` is asked to do
 
 
 @kernel
-def place(bound, positions, compliance, force, asked):
+def place(bound, positions, compliance, force, pushed):
     """Positions of the surfaces' nodes from those of all nodes (N, 2); returns how far they are from the near list.
 
-    With AT rows belong to `positions`, with PUSHED moved by compliance * force; with MEASURED gaps do.
+    Gaps belong to `positions`, and so do rows, or if they are `pushed` to positions + compliance * force.
     """
     pair = unpack(bound, PairTable)
     at = pair.places
-    if asked & MEASURED:
-        take(positions, at.slave, at.slave_measured)
-        take(positions, at.master, at.master_measured)
-    if not asked & AT:
-        return 0.0
+    take(positions, at.slave, at.slave_measured)
+    take(positions, at.master, at.master_measured)
     take(positions, at.slave, at.slave_at)
     take(positions, at.master, at.master_at)
-    if asked & PUSHED:
+    if pushed:
         _push(compliance, force, at.slave, at.slave_at)
         _push(compliance, force, at.master, at.master_at)
     tributary_lengths(at.slave_at, at.segments, at.node_segments, pair.coupling.full)
@@ -73,23 +68,15 @@ def join(bound, count, straight):
     if kept < 0:
         return kept, 0, 0
     single = straight and unmerged(c.owner, pieces.D, pieces.T, count)
-    columns.single[0] = single
+    c.single[0] = single
     lacking = 0
     if not single:
         lacking = fill_columns(count, pieces.multiplier, pieces.slave, pieces.D, c.owner, columns.slave)
     missing = fill_columns(count, pieces.multiplier, pieces.master, pieces.M, c.owner, columns.master)
     if lacking == 0 and missing == 0:
-        compute_gaps(bound)
+        at = (pair.places.slave_measured, pair.places.master_measured)
+        separations(c, columns, at, pieces.normal, pair.separation, pair.gaps)
     return kept, lacking, missing
-
-
-@kernel
-def compute_gaps(bound):
-    """Separations and gaps of the kept multipliers at the measured positions."""
-    pair = unpack(bound, PairTable)
-    at, out = pair.places, pair.gaps
-    both = (at.slave_measured, at.master_measured)
-    separations(pair.coupling, pair.columns, both, pair.pieces.normal, out.separation, out.gaps)
 
 
 @kernel

@@ -11,8 +11,8 @@ from contactlab.api.compiled.contact_tables import RowsTable
 from contactlab.api.compiled.kernel import kernel, section
 from contactlab.api.compiled.unpack import unpack
 from contactlab.kernels.contact.coupling import solve_pivots
-from contactlab.kernels.contact.edges import take
 from contactlab.kernels.contact.factored_rows import FAR, separations
+from contactlab.kernels.contact.search import take
 from contactlab.kernels.contact.tables import PairTable
 
 STICKS = 1.0 - 1e-9  # of its bound is what a sticking condition's force stays below

@@ -34,7 +34,7 @@ def write_rows(bound, margin, multipliers, first_slot, row, at, bound_rows):
                        are in use
     """
     pair, rows = unpack(bound, PairTable), unpack(bound_rows, RowsTable)
-    c, gaps, normal = pair.coupling, pair.gaps.gaps, pair.pieces.normal
+    c, gaps, normal = pair.coupling, pair.gaps, pair.pieces.normal
     slave, master = pair.weights.slave, pair.weights.master
     for i in range(c.kept[0]):
         k = c.order[i]
@@ -144,3 +144,13 @@ def flexibilities(bound, nodal, out):
                 w, n = weight[k, z - start[k]], nodes[z]
                 total += w * w * (normals[k, 0] ** 2 * nodal[n, 0] + normals[k, 1] ** 2 * nodal[n, 1])
         out[k] = total
+
+
+@kernel
+def extrapolate(now, before):
+    """Forces (k,) that pressed in both last steps go on linearly, never below zero; `before` becomes `now`."""
+    for k in range(now.size):
+        last = now[k]
+        if last > 0.0 and before[k] > 0.0:
+            now[k] = max(2.0 * last - before[k], 0.0)
+        before[k] = last

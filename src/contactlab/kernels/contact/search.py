@@ -1,4 +1,4 @@
-"""Which segments are near which: sort-and-sweep over bounding boxes."""
+"""Which segments are near which, by sort-and-sweep over bounding boxes, and how far nodes have moved since."""
 
 from __future__ import annotations
 
@@ -7,6 +7,23 @@ import numpy as np
 from contactlab.api.arrays import Floats, Ints
 from contactlab.api.compiled.kernel import kernel
 from contactlab.api.surface import Candidates
+
+
+@kernel
+def take(values, index, out):
+    """Rows `index` of values (N, 2) into out (m, 2)."""
+    for i in range(index.size):
+        out[i, 0] = values[index[i], 0]
+        out[i, 1] = values[index[i], 1]
+
+
+@kernel
+def largest_move(now, before):
+    """Largest absolute change of a coordinate between two (m, 2) arrays."""
+    largest = 0.0
+    for i in range(now.shape[0]):
+        largest = max(largest, abs(now[i, 0] - before[i, 0]), abs(now[i, 1] - before[i, 1]))
+    return largest
 
 
 @kernel

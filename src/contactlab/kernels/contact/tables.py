@@ -40,6 +40,7 @@ class CouplingTable(NamedTuple):
     owner                  (k,) the multiplier that each one became, -1 if it was dropped
     next, previous         (k,) neighbours among those that are kept, -1 at ends
     order                  (k,) those that are kept, chain by chain; kept[0] is their number
+    single                 (1,) whether each one weighs its own slave node alone, D = T
     """
 
     following: Ints1
@@ -59,13 +60,6 @@ class CouplingTable(NamedTuple):
     previous: Ints1
     order: Ints1
     kept: Ints1
-
-
-class CouplingColumns(NamedTuple):
-    """Columns of D and M for each multiplier; where single[0] each one weighs its own slave node alone, D = T."""
-
-    slave: BandedRows
-    master: BandedRows
     single: Flags1
 
 
@@ -91,26 +85,26 @@ class PlacesTable(NamedTuple):
     master_before: Floats2
 
 
-class GapsTable(NamedTuple):
-    """Weighted positions of the slave minus those of the master, and their normal and tangential parts, (k, 2) [mm]."""
-
-    separation: Floats2
-    gaps: Floats2
-
-
-class WeightsTable(NamedTuple):
-    """Rows T^-T D^T and T^-T M^T of a pair."""
+class BothSides(NamedTuple):
+    """Banded rows over the slave's nodes and over the master's, of one multiplier each."""
 
     slave: BandedRows
     master: BandedRows
 
 
 class PairTable(NamedTuple):
-    """All that the kernels of one pair work on."""
+    """All that the kernels of one pair work on.
+
+    columns     of D and M for each multiplier
+    separation  (k, 2) [mm] weighted positions of the slave minus those of the master, gaps (k, 2) [mm] their normal and
+                tangential parts
+    weights     rows T^-T D^T and T^-T M^T
+    """
 
     places: PlacesTable
     coupling: CouplingTable
     pieces: Pieces
-    columns: CouplingColumns
-    gaps: GapsTable
-    weights: WeightsTable
+    columns: BothSides
+    separation: Floats2
+    gaps: Floats2
+    weights: BothSides

@@ -9,7 +9,7 @@ from surfaces import columns_of, dense_rows
 
 from contactlab.api import FactoredRows
 from contactlab.kernels.contact.factored_rows import FAR, allow_constant_motion, largest_sideways, separations
-from contactlab.kernels.contact.tables import CouplingColumns
+from contactlab.kernels.contact.tables import BothSides
 from contactlab.testing.surfaces import flat, pair_of, rows_of_pair
 
 ROUND_OFF = 1e-12  # of numbers near ten
@@ -24,7 +24,7 @@ def test_separations_and_their_parts(single: bool) -> None:
     x = x if single else np.concatenate([x, draw.uniform(size=(2, 2))])
     normals = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     separation, gaps = np.zeros((12, 2)), np.zeros((12, 2))
-    columns = CouplingColumns(slave, master, np.full(1, single))
+    columns, found.table.single[0] = BothSides(slave, master), single
     separations(found.table, columns, (x, y), normals, separation, gaps)
     kept = found.order
     weighted = np.linalg.solve(T.T, -M @ y) + (x if single else np.linalg.solve(T.T, D @ x))
@@ -41,7 +41,7 @@ def test_both_ways_of_weighing_agree() -> None:
     y = np.random.default_rng(5).uniform(size=(14, 2))
     separation, gaps = np.zeros((12, 2)), np.zeros((12, 2))
     normals = np.tile([0.0, 1.0], (12, 1))
-    columns = CouplingColumns(master, master, np.full(1, True))
+    columns, found.table.single[0] = BothSides(master, master), True
     separations(found.table, columns, (np.zeros((12, 2)), y), normals, separation, gaps)
     rows = dense_rows(found.rows(master, master.allocate(12, 14)), 14)
     np.testing.assert_allclose(separation[found.order], -(rows @ y)[found.order], atol=ROUND_OFF)
@@ -70,7 +70,7 @@ def test_allow_constant_motion_of_rows_that_are_not_written_out() -> None:
 
 def test_largest_sideways_distance_over_segments() -> None:
     pair, _ = pair_of(MortarP1(), flat())
-    assert largest_sideways(pair.arrays.address) < ROUND_OFF
+    assert largest_sideways(pair.address) < ROUND_OFF
     k = pair.coupling.order[2]
     pair.gaps[k, 1] = -0.3
-    assert largest_sideways(pair.arrays.address) == pytest.approx(0.3 / pair.coupling.full[k])
+    assert largest_sideways(pair.address) == pytest.approx(0.3 / pair.coupling.full[k])

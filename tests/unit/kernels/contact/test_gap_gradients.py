@@ -20,7 +20,7 @@ def written(algorithm: Any, at: Any) -> tuple[Any, Any, Floats]:
     """A pair, its consistent rows, and the algorithm's memory."""
     pair, memory = pair_of(algorithm, at, friction=True)
     rows = allocate_rows(pair.slots, 64, True)
-    end = PairGradients(pair).append_rows(rows, 0, np.inf, np.zeros((2, pair.slots)), np.zeros_like(at.nodes), memory)
+    end = PairGradients(pair).append_rows(rows, 0, np.inf, np.zeros((2, pair.slots)), memory)
     assert end == rows.start[rows.count]
     return pair, rows, memory
 
@@ -57,7 +57,7 @@ def test_write_rows_leaves_out_open_rows_and_tells_that_rows_do_not_fit() -> Non
     pressed[0, farthest] = 1.0
     for room, given in ((64, True), (1, False)):
         rows = allocate_rows(pair.slots, room, True)
-        assert (gradients.append_rows(rows, 0, margin, pressed, at.nodes, memory) >= 0) is given
+        assert (gradients.append_rows(rows, 0, margin, pressed, memory) >= 0) is given
         if given:
             assert set(rows.slot[: rows.count]) == set(kept[gaps[kept] < margin]) | {farthest}
 

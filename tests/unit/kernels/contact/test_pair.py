@@ -42,22 +42,19 @@ def weighted(pair: Any, slave: Floats, master: Floats) -> Floats:
 
 
 def test_place_takes_positions_and_tells_how_far_they_are_from_the_near_list(pair: Any) -> None:
-    address, slave, master = pair.arrays.address, AT.slave.nodes, AT.master.nodes
-    far = kernels.place(address, MOVED, MOVED, MOVED, kernels.AT)
-    np.testing.assert_array_equal(pair.at.slave, MOVED[slave])
-    np.testing.assert_array_equal(pair.at.master, MOVED[master])
-    np.testing.assert_array_equal(pair.arrays.measured.slave, AT.nodes[slave])
+    far = kernels.place(pair.address, MOVED, MOVED, MOVED, False)
+    for at in (pair.at, pair.measured):
+        np.testing.assert_array_equal(at.slave, MOVED[AT.slave.nodes])
+        np.testing.assert_array_equal(at.master, MOVED[AT.master.nodes])
     assert far == np.abs(MOVED - AT.nodes).max()
-    assert kernels.place(address, OTHER, OTHER, OTHER, kernels.MEASURED) == 0.0
-    np.testing.assert_array_equal(pair.at.slave, MOVED[slave])
-    np.testing.assert_array_equal(pair.arrays.measured.master, OTHER[master])
 
 
 def test_place_pushes_by_compliance_times_force_and_sums_lengths(pair: Any) -> None:
     compliance, force = np.random.default_rng(3).uniform(0.0, 0.1, size=(2, *AT.nodes.shape))
-    kernels.place(pair.arrays.address, MOVED, compliance, force, kernels.AT | kernels.PUSHED)
+    kernels.place(pair.address, MOVED, compliance, force, True)
     x = (MOVED + compliance * force)[AT.slave.nodes]
     np.testing.assert_allclose(pair.at.slave, x, atol=1e-15)
+    np.testing.assert_array_equal(pair.measured.slave, MOVED[AT.slave.nodes])
     expected = np.zeros(len(x))
     for i, j in AT.slave.segments:
         expected[[i, j]] += 0.5 * np.hypot(*(x[j] - x[i]))
@@ -65,8 +62,8 @@ def test_place_pushes_by_compliance_times_force_and_sums_lengths(pair: Any) -> N
 
 
 def test_join_gives_the_separations_of_dense_matrices(pair: Any) -> None:
-    kernels.place(pair.arrays.address, OTHER, OTHER, OTHER, kernels.MEASURED)
-    assert kernels.join(pair.arrays.address, pair.count, True) == (pair.coupling.kept, 0, 0)
+    kernels.place(pair.address, OTHER, OTHER, OTHER, False)
+    assert kernels.join(pair.address, pair.count, True) == (pair.coupling.kept, 0, 0)
     kept, expected = pair.coupling.order, weighted(pair, OTHER[AT.slave.nodes], OTHER[AT.master.nodes])
     np.testing.assert_allclose(pair.separation[kept], expected, atol=ROUND_OFF)
     np.testing.assert_allclose(pair.gaps[kept, 0], (pair.normals[kept] * expected).sum(axis=1), atol=ROUND_OFF)
@@ -75,28 +72,21 @@ def test_join_gives_the_separations_of_dense_matrices(pair: Any) -> None:
 def test_join_tells_how_wide_columns_have_to_be() -> None:
     """A slave of two edges over a master of thirty: columns of M need more than the eight weights they begin with."""
     found, _ = pair_of(MortarP1(), flat(edges=(2, 30)))
-    width = found.arrays.columns.master.weight.shape[1]
+    width = found.columns.master.weight.shape[1]
     assert width > 8
-    narrow = found.arrays.columns.master._replace(weight=np.zeros((found.slots, 3)))
-    found.arrays.columns = found.arrays.columns._replace(master=narrow)
-    found.arrays._bind()
-    kept, slave, master = kernels.join(found.arrays.address, found.count, True)
+    narrow = found.columns.master._replace(weight=np.zeros((found.slots, 3)))
+    found.columns = found.columns._replace(master=narrow)
+    found._bind()
+    kept, slave, master = kernels.join(found.address, found.count, True)
     assert (kept, slave) == (found.coupling.kept, 0)
     assert 3 < master <= width
-
-
-def test_compute_gaps_gives_the_separations_at_other_positions(pair: Any) -> None:
-    kernels.place(pair.arrays.address, OTHER, OTHER, OTHER, kernels.MEASURED)
-    kernels.compute_gaps(pair.arrays.address)
-    kept, expected = pair.coupling.order, weighted(pair, OTHER[AT.slave.nodes], OTHER[AT.master.nodes])
-    np.testing.assert_allclose(pair.separation[kept], expected, atol=ROUND_OFF)
 
 
 def test_compute_gaps_at_leaves_the_pair_as_it_is(pair: Any) -> None:
     before, separation, gaps = pair.gaps.copy(), np.zeros((pair.slots, 2)), np.zeros((pair.slots, 2))
     angle = np.random.default_rng(4).uniform(0.0, 6.0, pair.slots)
     normals, at = np.stack([np.cos(angle), np.sin(angle)], axis=1), (MOVED[AT.slave.nodes], MOVED[AT.master.nodes])
-    kernels.compute_gaps_at(pair.arrays.address, at, normals, separation, gaps)
+    kernels.compute_gaps_at(pair.address, at, normals, separation, gaps)
     kept, expected = pair.coupling.order, weighted(pair, *at)
     np.testing.assert_allclose(separation[kept], expected, atol=ROUND_OFF)
     across = normals[kept, 1] * expected[:, 0] - normals[kept, 0] * expected[:, 1]
@@ -107,7 +97,7 @@ def test_compute_gaps_at_leaves_the_pair_as_it_is(pair: Any) -> None:
 def test_append_factored_writes_columns_coupling_and_gaps(pair: Any) -> None:
     """T^-T of the rows that are written gives the separations that the pair has."""
     out = FactoredRows.allocate(pair.slots + 2, 400)
-    count = kernels.append_factored(pair.arrays.address, 5, 0, out.packed.address)
+    count = kernels.append_factored(pair.address, 5, 0, out.packed.address)
     kept = pair.coupling.order
     assert count == len(kept)
     np.testing.assert_array_equal(out.slot[:count], kept + 5)
@@ -124,4 +114,4 @@ def test_append_factored_writes_columns_coupling_and_gaps(pair: Any) -> None:
     own = np.where(out.own[:count, None] >= 0, x[out.own[:count]], 0.0)
     np.testing.assert_allclose(right + own, pair.separation[kept], atol=ROUND_OFF)
     small = FactoredRows.allocate(pair.slots + 2, 3)
-    assert kernels.append_factored(pair.arrays.address, 0, 0, small.packed.address) == -1
+    assert kernels.append_factored(pair.address, 0, 0, small.packed.address) == -1

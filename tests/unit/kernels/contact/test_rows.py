@@ -22,6 +22,7 @@ def pair() -> Any:
     """A pair of curved surfaces that rubs, at its positions."""
     found, memory = pair_of(MortarP1(), curved(), friction=True)
     found.compute_start_normals(curved().nodes, memory)
+    found.weights()
     return found
 
 
@@ -38,7 +39,7 @@ def operators(pair: Any) -> tuple[Floats, Floats]:
 
 def written(pair: Any, margin: float, multipliers: Floats, room: int = 64) -> Any:
     rows = allocate_rows(pair.slots, room, True)
-    address, packed = pair.rows_address, rows.packed.address
+    address, packed = pair.address, rows.packed.address
     rows.count, _ = kernels.write_rows(address, margin, multipliers, 0, 0, 0, packed)
     return rows
 
@@ -111,7 +112,7 @@ def test_tangential_work_is_force_times_sliding(pair: Any) -> None:
 def test_add_forces_is_the_transposed_weights_times_multipliers(pair: Any) -> None:
     draw, shape = np.random.default_rng(4), curved().nodes.shape
     multipliers, across, along = draw.uniform(size=(2, pair.slots)), np.zeros(shape), np.zeros(shape)
-    kernels.add_forces(pair.rows_address, multipliers, 0, across, along)
+    kernels.add_forces(pair.address, multipliers, 0, across, along)
     kept, (normal, tangent) = pair.coupling.order, operators(pair)
     np.testing.assert_allclose(across, np.einsum("k,kni->ni", multipliers[0, kept], normal[kept]), atol=ROUND_OFF)
     np.testing.assert_allclose(along, np.einsum("k,kni->ni", multipliers[1, kept], tangent[kept]), atol=ROUND_OFF)
@@ -119,7 +120,15 @@ def test_add_forces_is_the_transposed_weights_times_multipliers(pair: Any) -> No
 
 def test_flexibilities_are_what_unit_forces_do_to_their_own_gaps(pair: Any) -> None:
     nodal, out = np.random.default_rng(5).uniform(size=curved().nodes.shape), np.zeros(pair.slots)
-    kernels.flexibilities(pair.rows_address, nodal, out)
+    kernels.flexibilities(pair.address, nodal, out)
     normal, _ = operators(pair)
     kept = pair.coupling.order
     np.testing.assert_allclose(out[kept], (normal**2 * nodal).sum(axis=(1, 2))[kept], atol=ROUND_OFF)
+
+
+def test_extrapolate_goes_on_linearly_where_forces_pressed_twice_and_never_pulls() -> None:
+    now, before = np.array([3.0, 1.0, 2.0, 0.0, 1.0]), np.array([2.0, 3.0, 0.0, 1.0, 1.0])
+    last = now.copy()
+    kernels.extrapolate(now, before)
+    np.testing.assert_array_equal(now, [4.0, 0.0, 2.0, 0.0, 1.0])
+    np.testing.assert_array_equal(before, last)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from surfaces import chain
 
-from contactlab.kernels.contact.search import boxes, near_segments
+from contactlab.kernels.contact.search import boxes, largest_move, near_segments
 
 
 def wave(points: int, seed: int, turned: bool) -> np.ndarray:
@@ -38,3 +38,9 @@ def test_sweep_finds_what_comparing_all_boxes_finds(seed: int, reach: float, tur
     )
     for s, near in enumerate(~apart.any(axis=2)):
         np.testing.assert_array_equal(found.master[found.start[s] : found.start[s + 1]], np.flatnonzero(near))
+
+
+def test_largest_move_is_that_of_one_coordinate() -> None:
+    before, now = np.random.default_rng(2).uniform(size=(2, 40, 2))
+    assert largest_move(now, before) == np.abs(now - before).max()
+    assert largest_move(now, now) == 0.0
