@@ -13,7 +13,6 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array, eye_array
 
 from contactlab.api import ConditionDerivatives, Floats, GapConditions, Ints
-from contactlab.api.arrays import Flags
 from contactlab.api.surface import SurfacePositions
 from contactlab.contact.gap_pair import GapPair
 
@@ -40,11 +39,14 @@ class ConditionDifferences:
         assert found is not None
         if not len(found.owner):
             return ConditionDerivatives(np.zeros(0, np.int32), np.zeros(0, np.int32), np.zeros((0, 2)))
-        order, depends = _order(found), self._guessed(found)
+        order, row = _order(found), np.repeat(np.arange(len(found.owner)), np.diff(found.start))
+        named = coo_array((np.ones(len(row)), (row, found.node)), shape=(len(found.owner), self.reach.shape[0]))
+        depends = _pattern(named.tocsr() @ self.reach)  # nodes (k, N) that conditions name, and those beside them
         sides = [self._weights(found, order, sign * self.at_once, memory) for sign in (1.0, -1.0)]
         for width in count():
-            if width not in self.colours or not self.colours[width].are_of(depends):
-                self.colours[width] = _Colours.of(depends)
+            known, pattern = self.colours.get(width), (depends.indptr, depends.indices)
+            if known is None or not all(map(np.array_equal, known.pattern, pattern)):
+                self.colours[width] = _Colours(depends)
             derivatives = self._of_colours(self.colours[width], found, order, memory)
             wider = self._wider(depends)
             if wider.nnz == depends.nnz or self._tells_all(derivatives, order, sides):
@@ -79,12 +81,6 @@ class ConditionDifferences:
 
     # --- what conditions follow from --------------------------------------------------------------
 
-    def _guessed(self, found: GapConditions) -> csr_array:
-        """Nodes (k, N) that conditions name, and those beside them."""
-        row = np.repeat(np.arange(len(found.owner)), np.diff(found.start))
-        pattern = coo_array((np.ones(len(row)), (row, found.node)), shape=(len(found.owner), self.reach.shape[0]))
-        return _pattern(pattern.tocsr() @ self.reach)
-
     def _wider(self, depends: csr_array) -> csr_array:
         """Also what those conditions follow from that share a node; all nodes of both surfaces where that is no more.
 
@@ -108,14 +104,13 @@ class ConditionDifferences:
 
 
 class _Colours:
-    """columns of a pattern, node (k, colours) that each condition has of each colour or -1, masks (N,) of nodes."""
+    """A colour for every node that a condition (row) depends on, no two alike in one condition; greedily.
 
-    def __init__(self, columns: Ints, node: Ints, members: tuple[Flags, ...]) -> None:
-        self.columns, self.node, self.members = columns, node, members
+    node (k, colours) that each condition has of each colour or -1, masks (N,) of the `members` of each colour
+    """
 
-    @classmethod
-    def of(cls, depends: csr_array) -> _Colours:
-        """A colour for every node that a condition (row) depends on, no two alike in one condition; greedily."""
+    def __init__(self, depends: csr_array) -> None:
+        self.pattern = depends.indptr, depends.indices
         nodes = depends.shape[1]
         conflict = csr_array(depends.T @ depends)
         colour = np.full(nodes, -1)
@@ -123,16 +118,10 @@ class _Colours:
             taken = set(colour[conflict.indices[conflict.indptr[node] : conflict.indptr[node + 1]]].tolist())
             colour[node] = next(number for number in range(nodes) if number not in taken)
         count = int(colour.max(initial=-1)) + 1
-        table = np.full((depends.shape[0], count), -1)
-        table[np.repeat(np.arange(depends.shape[0]), np.diff(depends.indptr)), colour[depends.indices]] = (
-            depends.indices
-        )
-        return cls(depends.indices.copy(), table, tuple(colour == number for number in range(count)))
-
-    def are_of(self, depends: csr_array) -> bool:
-        """Whether they were made for this pattern."""
-        same = len(self.node) == depends.shape[0] and np.array_equal(self.columns, depends.indices)
-        return bool(same and np.array_equal((self.node >= 0).sum(axis=1), np.diff(depends.indptr)))
+        self.node = np.full((depends.shape[0], count), -1)
+        row = np.repeat(np.arange(depends.shape[0]), np.diff(depends.indptr))
+        self.node[row, colour[depends.indices]] = depends.indices
+        self.members = tuple(colour == number for number in range(count))
 
 
 def _pattern(product: Any) -> csr_array:

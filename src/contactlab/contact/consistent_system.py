@@ -10,8 +10,7 @@ import numpy as np
 
 from contactlab.api import ExplicitEnforcement, FactoredRows, Floats, Rows, Solve, State
 from contactlab.contact.explicit_system import ContactSystem
-from contactlab.contact.factored_gradients import ModelGradients, told_by_feet
-from contactlab.contact.gradients import PairGradients
+from contactlab.contact.gradients import ModelGradients, PairGradients, told_by_feet
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair
 from contactlab.contact.start_gaps import FacetOverlap

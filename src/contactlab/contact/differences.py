@@ -70,12 +70,14 @@ class DerivativesOfPieces:
         pair = self.pair
         m = len(pair.slave.nodes)
         slave = (np.arange(pair.slots, dtype=np.int32) % m)[:, None]
-        master = np.full((pair.slots, 2), -1, np.int32)
+        first, last = np.full(pair.slots, np.iinfo(np.int32).max, np.int32), np.full(pair.slots, -1, np.int32)
         if self.follows_master is None:
             self.follows_master = self._probe(memory)
         if self.follows_master:
-            kernels.master_owners(pair.count, pair.pieces.multiplier, pair.pieces.master, master)
-        return slave, master
+            multiplier, nodes = pair.pieces.multiplier[: pair.count], pair.pieces.master[: pair.count]
+            np.minimum.at(first, multiplier, nodes.min(axis=1, keepdims=True))
+            np.maximum.at(last, multiplier, nodes.max(axis=1, keepdims=True))
+        return slave, np.stack([np.minimum(first, last), last], axis=1)
 
     def _probe(self, memory: Floats) -> bool:
         """Whether normals change with the master's positions."""

@@ -196,16 +196,13 @@ class ContactSystem:
                     break
             if entries >= 0:
                 return
-            self._grow()
+            rows, nodes = self.rows, sum(len(pair.slave.nodes) + len(pair.master.nodes) for pair in self.passes)
+            entries = int(GROW * len(rows.node)) + nodes
+            self.rows = allocate_rows(len(rows.gap), entries // max(1, len(rows.gap)) + 1, self.friction)
 
     def _append(self, number: int, entries: int, margin: float, current: Floats, predicted: Floats) -> int:
         """Append the rows of a pair; returns the next free entry, or -1 without room for them."""
         return self.passes[number].append_rows(self.rows, entries, margin, self.multipliers, current)
-
-    def _grow(self) -> None:
-        rows = self.rows
-        entries = int(GROW * len(rows.node)) + sum(len(p.slave.nodes) + len(p.master.nodes) for p in self.passes)
-        self.rows = allocate_rows(len(rows.gap), entries // max(1, len(rows.gap)) + 1, self.friction)
 
 
 def slips(rows: Rows, slots: int, compliance: Floats, force: Floats) -> tuple[Floats, Floats]:

@@ -1,14 +1,21 @@
-"""Rows of a pair with consistent forces: its gaps differentiated by all that they depend on."""
+"""Rows of consistent forces, gaps differentiated by all that they depend on: written out, or before T is inverted."""
 
 from __future__ import annotations
 
-from contactlab.api import Floats, GapGradients, Rows
+from collections.abc import Sequence
+
+import numpy as np
+
+from contactlab.api import FactoredGradients, Floats, GapGradients, Ints, Rows
 from contactlab.api.compiled.bound_arrays import BoundArrays
 from contactlab.contact.differences import DerivativesOfPieces
 from contactlab.contact.operator_pair import OperatorPair
-from contactlab.kernels.contact import gap_gradients as kernels
+from contactlab.contact.pair import ContactPair
+from contactlab.kernels.contact import factored_gradients, gap_gradients
+from contactlab.kernels.contact.factored_gradients import EndsTable
 from contactlab.kernels.contact.factored_rows import FAR
 
+GROW = 1.5
 NORMALS = 6  # room for derivatives of normals, for each multiplier
 
 
@@ -38,7 +45,7 @@ class PairGradients:
             self._bind(found)
         first, margin = out.count, FAR if pair.everywhere else min(margin, FAR)
         used = pair.count, found.count, found.normal_count
-        count, end = kernels.write_rows(
+        count, end = gap_gradients.write_rows(
             pair.address, self.bound.address, used, margin, multipliers, pair.first_slot,
             (first, entries), out.packed.address,
         )  # fmt: skip
@@ -73,7 +80,7 @@ class PairGradients:
             self.general = self._room(len(found.moved), 1)
             self.general.normal_of, self.general.normal_moved = found.normal_of, found.normal_moved
             self.general.dnormal = found.dnormal
-        self.general.count = kernels.from_derivatives(
+        self.general.count = gap_gradients.from_derivatives(
             found.count,
             (found.slave, found.multiplier, found.master, found.moved, found.dD, found.dM, found.dT),
             pair.coupling.owner, tuple(pair.at), pair.separation,
@@ -81,3 +88,90 @@ class PairGradients:
         )  # fmt: skip
         self.general.normal_count = found.normal_count
         return self.general
+
+
+# --- before T is inverted ---------------------------------------------------------------------------------------------
+
+
+class PairEnds:
+    """Where the pieces of a pair begin and end on both segments, and room for what follows from it.
+
+    number  (N,) numbers of global nodes, shared by all pairs of a model
+    nodes   how many nodes all of them touch at most
+    """
+
+    def __init__(self, pair: OperatorPair, number: Ints, nodes: int) -> None:
+        self.pair, self.number, self.nodes = pair, number, nodes
+        self._bind(0)
+
+    def _bind(self, pieces: int) -> None:
+        m, k, n = len(self.pair.slave.nodes), self.pair.slots, self.nodes
+        angle, place, seen, first, last = (np.zeros(size, np.int32) for size in (m, n, n, k, k))
+        self.feet = np.zeros((pieces, 4))
+        rate, lever = (np.zeros((pieces, 2, 2)) for _ in range(2))
+        self.bound = BoundArrays(
+            EndsTable, self.feet, self.number, angle, place, seen, first, last, np.zeros((pieces, 6), np.int32),
+            rate, lever, np.zeros((pieces, 2)),
+        )  # fmt: skip
+
+    def found(self, memory: Floats) -> bool:
+        """Fill `feet` for the pieces of the last update; False where the algorithm cannot tell them."""
+        pair = self.pair
+        if pair.count > len(self.feet):
+            self._bind(len(pair.pieces.slave))
+        return pair.algorithm.feet(pair.seen(memory), pair.pieces, pair.count, self.feet)
+
+
+def told_by_feet(pairs: Sequence[ContactPair]) -> list[OperatorPair]:
+    """All the pairs, where their rows can be told by the ends of pieces: straight edges, and nothing that rubs."""
+    return [
+        pair
+        for pair in pairs
+        if isinstance(pair, OperatorPair)
+        and all(side.edges.shape[1] == 2 for side in (pair.slave, pair.master))
+        and pair.friction is None
+        and not pair.pushes_overlaps_out
+    ]
+
+
+class ModelGradients:
+    """The factored rows of a model's pairs, made anew in every step."""
+
+    def __init__(self, pairs: Sequence[OperatorPair], nodes: int) -> None:
+        self.number = np.full(nodes, -1, np.int32)
+        self.touched = sum(len(pair.slave.nodes) + len(pair.master.nodes) for pair in pairs)
+        self.ends = [PairEnds(pair, self.number, self.touched) for pair in pairs]
+        self.rows = self._room(8 * sum(pair.slots for pair in pairs))
+
+    def _room(self, entries: int) -> FactoredGradients:
+        self.number[:] = -1
+        return FactoredGradients.allocate(sum(ends.pair.slots for ends in self.ends), entries, self.touched)
+
+    def assemble(self, memories: list[Floats]) -> bool:
+        """Rows of all pairs as they were last updated; False where an algorithm cannot tell where its pieces end."""
+        self.rows.factors.count = 0
+        for ends, memory in zip(self.ends, memories, strict=True):
+            if not ends.found(memory):
+                return False
+        while not self._written():
+            self.rows = self._room(int(GROW * len(self.rows.factors.node)) + 64)
+        return True
+
+    def _written(self) -> bool:
+        count = 0
+        for ends in self.ends:
+            pair, address = ends.pair, self.rows.packed.address
+            count = factored_gradients.write_gradients(
+                pair.address, ends.bound.address, pair.count, pair.first_slot, count, address
+            )
+            if count < 0:
+                return False
+        self.rows.factors.count = count
+        return True
+
+    def allow_motion(self, predicted: Floats, current: Floats, velocity: Floats, last_dt: float) -> None:
+        """What the conditions have to hold at the end of the step; see `contactlab.kernels.contact.gap_gradients`."""
+        rows = self.rows
+        factored_gradients.allow_factored_motion(
+            rows.factors.count, rows.packed.address, current, predicted, velocity, last_dt
+        )

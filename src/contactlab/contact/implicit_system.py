@@ -11,11 +11,11 @@ import numpy as np
 from scipy.sparse import csr_array, vstack
 
 from contactlab.api import Conditions, ContactDerivatives, Floats, ImplicitEnforcement, Ints, State
+from contactlab.api.arrays import Flags
 from contactlab.contact.contact_pairs import linearised
 from contactlab.contact.coupling import Coupling
 from contactlab.contact.examination import examine_pair
 from contactlab.contact.explicit_system import allocate_rows
-from contactlab.contact.held_together import held_together
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair, shown
 from contactlab.contact.passage import first_passage
@@ -23,8 +23,13 @@ from contactlab.contact.sliding import varying
 
 if TYPE_CHECKING:
     from contactlab.contact.potential_pair import PotentialPair
-    from contactlab.contact.pressure_store import PressureStore
+    from contactlab.contact.pressure_response import PressureStore
     from contactlab.contact.step_rows import StepRows
+
+HELD = 0.1  # flexibility along the surface over that of the node: chains end with the normal of half a facet's turn
+SAME = 1e-3  # segment lengths along the surface: meshes of both sides begin at one cut, but for round-off and strains
+STILL = 1e-9  # segment lengths: supports that move both sides together
+SETTLED = 1e-5  # of the largest bound: what bounds that follow slips may still change by
 
 
 class ImplicitContactSystem:
@@ -187,7 +192,7 @@ class ImplicitContactSystem:
     def _write_bounds(self, pair: ContactPair) -> None:
         assert pair.sliding is not None
         bound = self.conditions.bound[:, pair.own]
-        bound[:] = pair.sliding.of(_ALL)
+        bound[:] = pair.sliding.of(slice(None))
         bound[:, held_together(pair, self.flexibility, self.start)] = 0.0
 
     def forces(self, normal: Floats, tangential: Floats) -> None:
@@ -274,10 +279,6 @@ class ImplicitContactSystem:
         return _stacked(normal), _stacked(across) if self.friction else None
 
 
-_ALL = slice(None)
-SETTLED = 1e-5  # of the largest bound: what bounds that follow slips may still change by
-
-
 def _within(own: slice, chosen: Ints) -> Ints:
     """Those of the chosen slots that are a pair's `own`, counted from its first."""
     return np.asarray(chosen[(chosen >= own.start) & (chosen < own.stop)] - own.start, np.int32)
@@ -292,7 +293,7 @@ def _conditions(pairs: tuple[ContactPair, ...], multipliers: Floats, friction: b
     bound = np.zeros((3, k if friction else 0))
     for pair in pairs:
         if pair.sliding is not None:
-            bound[:, pair.own] = pair.sliding.of(_ALL)
+            bound[:, pair.own] = pair.sliding.of(slice(None))
     return Conditions(
         present=np.zeros(k, np.bool_),
         gap=np.zeros(k),
@@ -304,3 +305,36 @@ def _conditions(pairs: tuple[ContactPair, ...], multipliers: Floats, friction: b
         bound=bound,
         stiffness=np.zeros(k),
     )
+
+
+def held_together(pair: ContactPair, flexibility: Floats, start: Floats) -> Flags:
+    """Multipliers (k,) of slave nodes that supports hold along the surface with the master beneath, as in symmetry.
+
+    They cannot slide on each other whatever friction does: to stick is one condition too many, and its force is one
+    that nothing determines. Friction passes nothing there; what holds the nodes is up to the supports.
+
+    flexibility  (N, 2) [mm/N] of single nodes, 0 where they are held
+    start        (N, 2) [mm] positions at the start of the step: what supports move against each other slides
+    """
+    out = np.zeros(pair.slots, np.bool_)
+    slave, master = pair.slave.nodes, pair.master.nodes
+    partly = np.flatnonzero((flexibility[slave] == 0.0).any(axis=1))
+    others = np.flatnonzero((flexibility[master] == 0.0).any(axis=1))
+    if not len(partly) or not len(others):
+        return out
+    slots = (partly + len(slave) * np.arange(pair.rows_per_node)[:, None]).ravel()
+    node = np.tile(partly, pair.rows_per_node)
+    normal, length = pair.normals[slots], pair.full[slots]
+    tangent = np.stack([normal[:, 1], -normal[:, 0]], axis=1)
+    across = pair.at.slave[node][:, None] - pair.at.master[others]
+    nearest = others[(across**2).sum(axis=2).argmin(axis=1)]
+    apart = pair.at.slave[node] - pair.at.master[nearest]
+    before = start[slave[node]] - start[master[nearest]]
+    together = np.abs((apart * tangent).sum(axis=1)) < SAME * length
+    still = np.abs(((apart - before) * tangent).sum(axis=1)) < STILL * length
+    held = [
+        (own * tangent**2).sum(axis=1) <= HELD * own.max(axis=1)
+        for own in (flexibility[slave[node]], flexibility[master[nearest]])
+    ]
+    out[slots] = together & still & held[0] & held[1]
+    return out

@@ -209,8 +209,9 @@ class ContactPair(ABC):
         return self.start_gaps is not None and self.start_gaps.ramped
 
     def _take_start_gaps(self, gaps: Floats) -> None:
-        if self.start_gaps is not None:
-            self.start_gaps.take_from(gaps)
+        """Take from the normal gaps (k, 2) [mm] what does not count."""
+        if self.start_gaps is not None and (share := self.start_gaps.uncounted()) != 0.0:
+            gaps[:, 0] -= share * self.start_gaps.value
 
     # --- from conditions to rows ----------------------------------------------------------------
 

@@ -1,4 +1,4 @@
-"""A normal law as implicit integrators see it: residuals of pressures, and exact friction under them."""
+"""A normal law: the energy of surfaces, residuals of pressures for implicit integrators, exact friction under them."""
 
 from __future__ import annotations
 
@@ -9,8 +9,36 @@ import numpy as np
 from contactlab.api import Conditions, Floats, ImplicitEnforcement, NormalLaw, Response
 from contactlab.api.arrays import Flags
 from contactlab.api.frame import OPEN, SLIP, STICK
+from contactlab.contact.pair import ContactPair, initial_gaps
 
 DOUBLED = 30  # times that a depth is, until the law gives a force there
+
+
+class PressureStore:
+    """Energy of surfaces: length times the integral of the pressure over conditions, at the positions of the last ones.
+
+    stiffness  (k,) [MPa/mm] of the cells behind each slot
+    beginning  [mJ] at the start of the run
+    """
+
+    def __init__(self, law: NormalLaw, pairs: tuple[ContactPair, ...], stiffness: Floats, reference: Floats) -> None:
+        self.law, self.pairs, self.stiffness = law, pairs, stiffness
+        for pair in pairs:
+            initial_gaps(pair, reference)
+        self.beginning = self.energy()
+
+    def energy(self) -> float:
+        """The energy [mJ] now."""
+        total = 0.0
+        for pair in self.pairs:
+            own = pair.own
+            gaps = np.minimum(pair.gaps[:, 0], self.law.begins())
+            total += pair.share * float(pair.cover @ self.law.energy(gaps, self.stiffness[own], pair.full))
+        return total
+
+    def since_start(self) -> float:
+        """What has come to it since the start [mJ]."""
+        return self.energy() - self.beginning
 
 
 class PressureResponse(ImplicitEnforcement):

@@ -38,11 +38,6 @@ class StartGaps(ABC):
         """What a run says of them at its start; empty where the scene has asked for them."""
         return ""
 
-    def take_from(self, gaps: Floats) -> None:
-        """Take from the normal gaps (k, 2) [mm] what does not count."""
-        if (share := self.uncounted()) != 0.0:
-            gaps[:, 0] -= share * self.value
-
 
 class RampedOverlap(StartGaps):
     """Overlaps of the start count as zero first, and come to count in full during a ramp.

@@ -43,7 +43,12 @@ class WorkSplit:
         start = reference + state["displacement"]
         self.position, self.velocity = np.stack([start, start]), state["velocity"].copy()
         self.memory = [np.zeros((2, pair.method.memory_size, len(pair.slave.nodes))) for pair in contact.pairs]
-        self.pairs = [_split_of(pair, reference, contact.consistent) for pair in contact.pairs]
+        self.pairs = [
+            OperatorSplit(pair, reference, contact.consistent)
+            if isinstance(pair, OperatorPair)
+            else PairSplit(pair, reference)
+            for pair in contact.pairs
+        ]
 
     def saved(self) -> Mapping[str, Floats]:
         """What a restart needs."""
@@ -229,12 +234,6 @@ class OperatorSplit(PairSplit):
 
     def _sides(self, positions: Floats) -> SurfacePositions:
         return SurfacePositions(positions[self.pair.slave.nodes], positions[self.pair.master.nodes])
-
-
-def _split_of(pair: ContactPair, reference: Floats, consistent: bool) -> PairSplit:
-    if isinstance(pair, OperatorPair):
-        return OperatorSplit(pair, reference, consistent)
-    return PairSplit(pair, reference)
 
 
 def _separations(pair: OperatorPair, at: SurfacePositions) -> tuple[Floats, Floats]:

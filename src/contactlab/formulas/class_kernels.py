@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from contactlab.api import ContactView, Pieces
 from contactlab.api.compiled.bound_arrays import BoundArrays, table_of
 from contactlab.api.compiled.formulas import Slot, made
 from contactlab.api.formulas import formulas_of, in_python
@@ -21,6 +22,7 @@ class ClassKernels(ABC):
 
     def __init__(self, kind: Any) -> None:
         self.kind, self.formulas, self.in_python = kind, formulas_of(kind), in_python()
+        self._made: dict[Any, Any] = {}
 
     def given_arrays(self, bound: BoundArrays, table: type) -> Any:
         """How the kernels are given bound arrays: by their address, or in plain Python as the table that they fill."""
@@ -47,7 +49,22 @@ class ClassKernels(ABC):
 
     def made(self, template: Any) -> Any:
         """The kernel of a template."""
-        return made(template, f"{self.kind.__module__}.{self.kind.__qualname__}", self.given, self.in_python)
+        found = self._made.get(template)
+        if found is None:
+            found = made(template, f"{self.kind.__module__}.{self.kind.__qualname__}", self.given, self.in_python)
+            self._made[template] = found
+        return found
+
+
+def binder(table: type, arrays_of: Callable[..., tuple[Any, ...]]) -> Callable[..., BoundArrays]:
+    """What binds a table: `arrays_of` a view, pieces and an algorithm, and for derivatives more and their owner."""
+
+    def bind(owner: Any, view: ContactView, part: Any, pieces: Pieces | None = None, *more: Any) -> BoundArrays:
+        if pieces is None:
+            return BoundArrays(table, *arrays_of(view, owner, part))
+        return BoundArrays(table, *arrays_of(view, pieces, part), *more, owner)
+
+    return bind
 
 
 def gauss_rule(points: int) -> tuple[tuple[float, ...], tuple[float, ...]]:

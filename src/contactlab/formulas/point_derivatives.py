@@ -15,9 +15,9 @@ from contactlab.api.segments import MasterSegment, SlavePoint
 from contactlab.api.tensors import Vector
 from contactlab.formulas.point_kernels import gauss_point, measure
 from contactlab.formulas.point_pieces import ALONE, FOOT, POINTS, in_wedge, parabola, tangent_at
-from contactlab.formulas.point_tables import DerivedPoints, Points, TurnedPoints
 from contactlab.formulas.segment_kernels import PARAMETERS, trace
 from contactlab.formulas.segment_normals import edge_between, inward_normals, neighbours, node, normal_derivatives
+from contactlab.formulas.tables import DerivedPoints, Points, TurnedPoints
 
 MOST_NODES = 16  # of a piece: the slave's edges on both sides of a node with their neighbours, and the master's edge
 WEIGHT, PLACE = 0, 1

@@ -15,9 +15,9 @@ from contactlab.api.segments import SlavePoint
 from contactlab.api.tensors import Vector
 from contactlab.formulas.point_corners import find_corners, put_corners, stands_for
 from contactlab.formulas.point_pieces import ABSCISSAE, ALONE, EDGE, LEAVE, POINTS, foot, hold
-from contactlab.formulas.point_tables import Points
 from contactlab.formulas.segment_kernels import PARAMETERS, trace
 from contactlab.formulas.segment_normals import inward_normals, node, turn_normals
+from contactlab.formulas.tables import Points
 
 (HOLD,) = slots("HOLD")
 FLANK = 0.2  # cosine: the gap of a Gauss point counts along the slave's normal, across the way to the foot none is left

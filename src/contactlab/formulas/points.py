@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from functools import cache, cached_property
+from functools import cache
 from typing import Any
 
 import numpy as np
 
 from contactlab.api import ContactView, Floats, GapGradients, PieceDerivatives, Pieces, PointContact
-from contactlab.api.compiled.bound_arrays import BoundArrays, BoundCache
+from contactlab.api.compiled.bound_arrays import BoundCache
 from contactlab.api.compiled.formulas import Slot
 from contactlab.formulas import point_derivatives as changes
 from contactlab.formulas import point_kernels as kernels
 from contactlab.formulas import point_pieces as single
-from contactlab.formulas.class_kernels import ClassKernels, gauss_rule
-from contactlab.formulas.point_tables import DerivedPoints, Points, TurnedPoints
+from contactlab.formulas.class_kernels import ClassKernels, binder, gauss_rule
 from contactlab.formulas.segments import arrays_of, averaged_normals
+from contactlab.formulas.tables import DerivedPoints, Points, TurnedPoints
 
 DEPTH = 1.0
 """Longest segment lengths of either side, as deep as a correction may push: a deeper point is on the far side."""
@@ -24,15 +24,7 @@ _PIECES, _DERIVATIVES, _GRADIENTS, _NORMALS = (BoundCache() for _ in range(4))
 
 
 class _Kernels(ClassKernels):
-    """The kernels of one class, each made when it is first asked for."""
-
-    @cached_property
-    def pieces(self) -> Any:
-        return self.made(kernels.pieces)
-
-    @cached_property
-    def derivatives(self) -> Any:
-        return self.made(changes.piece_derivatives)
+    """The kernels of one class."""
 
     @property
     def formula_slots(self) -> dict[Slot, Any]:
@@ -48,11 +40,24 @@ class _Kernels(ClassKernels):
 _of_class = cache(_Kernels)
 
 
+def _points(view: ContactView, out: Pieces, part: PointContact) -> tuple[Any, ...]:
+    """The arrays of a `Points`."""
+    nodes, others = len(view.slave.nodes), len(view.master.nodes)
+    own, other = ((np.empty((s, 2)), np.empty(s)) for s in (len(view.slave.segments), len(view.master.segments)))
+    return (
+        *arrays_of(view, out, part), view.memory, *own, *other, np.empty((nodes, 2)), np.empty(nodes),
+        np.empty(nodes, np.bool_), np.empty(nodes, np.int32), np.empty(others, np.int32), np.empty(others), np.empty(2),
+    )  # fmt: skip
+
+
+_POINTS, _DERIVED, _TURNED = (binder(table, _points) for table in (Points, DerivedPoints, TurnedPoints))
+
+
 def pieces(part: PointContact, view: ContactView, out: Pieces) -> int:
     """`ContactAlgorithm.pieces`."""
     made_of = _of_class(type(part))
-    arrays = made_of.given_arrays(_PIECES.of(out, _bound, view, part), Points)
-    count, turned = made_of.pieces(arrays, view.reach, DEPTH)
+    arrays = made_of.given_arrays(_PIECES.of(out, _POINTS, view, part), Points)
+    count, turned = made_of.made(kernels.pieces)(arrays, view.reach, DEPTH)
     out.averaged = part.points > 0 and turned == 0
     return int(count)
 
@@ -60,8 +65,8 @@ def pieces(part: PointContact, view: ContactView, out: Pieces) -> int:
 def derivatives(part: PointContact, view: ContactView, pieces: Pieces, count: int, out: PieceDerivatives) -> bool:
     """`ContactAlgorithm.derivatives`."""
     made_of = _of_class(type(part))
-    bound = _DERIVATIVES.of(out, _bound_derivatives, view, pieces, part)
-    out.count, out.normal_count = made_of.derivatives(made_of.given_arrays(bound, DerivedPoints), count)
+    arrays = made_of.given_arrays(_DERIVATIVES.of(out, _DERIVED, view, part, pieces), DerivedPoints)
+    out.count, out.normal_count = made_of.made(changes.piece_derivatives)(arrays, count)
     return True
 
 
@@ -69,7 +74,7 @@ def gradients(part: PointContact, view: ContactView, pieces: Pieces, count: int,
     """`ContactAlgorithm.gradients`: weights that change move the foot along the master, across the normal."""
     if part.points:
         return False
-    bound = _GRADIENTS.of(out, _bound_gradients, view, pieces, part)
+    bound = _GRADIENTS.of(out, _TURNED, view, part, pieces)
     out.count, out.normal_count = 0, changes.turns(bound.address, count)
     return True
 
@@ -85,27 +90,5 @@ def normals(part: PointContact, view: ContactView, pieces: Pieces, count: int, o
     if part.points:
         return averaged_normals(view, pieces, count, out)
     out[:] = pieces.normal
-    changes.normals(_NORMALS.of(pieces, _bound, view, part).address, count, out)
+    changes.normals(_NORMALS.of(pieces, _POINTS, view, part).address, count, out)
     return True
-
-
-def _bound(out: Pieces, view: ContactView, part: PointContact) -> BoundArrays:
-    return BoundArrays(Points, *_points(view, out, part))
-
-
-def _bound_derivatives(out: PieceDerivatives, view: ContactView, pieces: Pieces, part: PointContact) -> BoundArrays:
-    return BoundArrays(DerivedPoints, *_points(view, pieces, part), out)
-
-
-def _bound_gradients(out: GapGradients, view: ContactView, pieces: Pieces, part: PointContact) -> BoundArrays:
-    return BoundArrays(TurnedPoints, *_points(view, pieces, part), out)
-
-
-def _points(view: ContactView, out: Pieces, part: PointContact) -> tuple[Any, ...]:
-    """The arrays of a `Points`."""
-    nodes, others = len(view.slave.nodes), len(view.master.nodes)
-    own, other = ((np.empty((s, 2)), np.empty(s)) for s in (len(view.slave.segments), len(view.master.segments)))
-    return (
-        *arrays_of(view, out, part), view.memory, *own, *other, np.empty((nodes, 2)), np.empty(nodes),
-        np.empty(nodes, np.bool_), np.empty(nodes, np.int32), np.empty(others, np.int32), np.empty(others), np.empty(2),
-    )  # fmt: skip

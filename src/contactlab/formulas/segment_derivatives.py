@@ -34,7 +34,7 @@ from contactlab.formulas.segment_kernels import (
     spans_edge,
 )
 from contactlab.formulas.segment_normals import average_derivatives, inward_normals, normal_derivatives
-from contactlab.formulas.segment_tables import Derived, Separated
+from contactlab.formulas.tables import Derived, Separated
 
 MOST_NODES = 12  # of a piece and of those that begin and end what is covered: five of the slave, six of the master
 NUMBERS = 7  # that integrals depend on: six quantities, and the logarithm of the length
@@ -309,15 +309,6 @@ def piece_derivatives(bound, count, vertices):
     return e, normal_derivatives(view, out, count, to, piece[:e], averaged)
 
 
-@section
-def put_separation(change, j, d, found, length):
-    """Derivatives by the six quantities, and by the logarithm of the length, into change (7, 2, 2)."""
-    changes = derivatives(found, 6)
-    for q in range(6):
-        change[q, j, d] = length * changes[q]
-    change[6, j, d] = length * value(found)
-
-
 @point
 def weighted(values, at, nodes, p, d):
     """Sum of traces times a coordinate of the nodes of entry p."""
@@ -357,10 +348,10 @@ def change_of_separation(table, p, place, length, covered, fields, change):
                 y = weighted(own, view.at.slave, out.slave, p, 1) - weighted(other, view.at.master, out.master, p, 1)
                 x, y = weight * (x - (1.0 - u) * ax - u * bx), weight * (y - (1.0 - u) * ay - u * by)
                 w00, w01, w10, w11 = w00 + first * x, w01 + first * y, w10 + second * x, w11 + second * y
-    put_separation(change, 0, 0, w00, length)
-    put_separation(change, 0, 1, w01, length)
-    put_separation(change, 1, 0, w10, length)
-    put_separation(change, 1, 1, w11, length)
+    put_change(change, 0, 0, w00, length)
+    put_change(change, 0, 1, w01, length)
+    put_change(change, 1, 0, w10, length)
+    put_change(change, 1, 1, w11, length)
 
 
 @kernel

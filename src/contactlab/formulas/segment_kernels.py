@@ -20,7 +20,7 @@ from contactlab.api.mathematics import sqrt
 from contactlab.api.segments import MasterSegment, SlaveSegment
 from contactlab.api.tensors import Vector
 from contactlab.formulas.segment_normals import inward_normals, turn_normals
-from contactlab.formulas.segment_tables import Both
+from contactlab.formulas.tables import Both
 
 OVERLAP, BASIS, PARTS, BREAKS, COVERED = slots("OVERLAP", "BASIS", "PARTS", "BREAKS", "COVERED")
 PARAMETERS, FIELDS = slots("PARAMETERS", "FIELDS")

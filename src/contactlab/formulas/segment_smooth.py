@@ -14,7 +14,7 @@ from contactlab.formulas.segment_derivatives import (
     NUMBERS,
     collect,
     find,
-    put_separation,
+    put_change,
     put_sum,
     quantities,
     shares_of,
@@ -30,7 +30,7 @@ from contactlab.formulas.segment_kernels import (
     master_segment,
     slave_segment,
 )
-from contactlab.formulas.segment_tables import Both
+from contactlab.formulas.tables import Both
 from contactlab.kernels.contact.smooth import hermite
 
 
@@ -99,10 +99,10 @@ def change_of_bent(view, out, p, length, covered, fields, bends, change):
                 x = weight * (v * own[s, 0] + w * own[s, 2] - t * other[m, 0] - u * other[m, 2])
                 y = weight * (v * own[s, 1] + w * own[s, 3] - t * other[m, 1] - u * other[m, 3])
                 w00, w01, w10, w11 = w00 + first * x, w01 + first * y, w10 + second * x, w11 + second * y
-    put_separation(change, 0, 0, w00, length)
-    put_separation(change, 0, 1, w01, length)
-    put_separation(change, 1, 0, w10, length)
-    put_separation(change, 1, 1, w11, length)
+    put_change(change, 0, 0, w00, length)
+    put_change(change, 0, 1, w01, length)
+    put_change(change, 1, 0, w10, length)
+    put_change(change, 1, 1, w11, length)
 
 
 @kernel

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache, cached_property
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -17,15 +17,15 @@ from contactlab.api import (
     Pieces,
     SegmentContact,
 )
-from contactlab.api.compiled.bound_arrays import BoundArrays, BoundCache
+from contactlab.api.compiled.bound_arrays import BoundCache
 from contactlab.api.compiled.formulas import Slot
 from contactlab.api.segments import Covered
 from contactlab.formulas import segment_derivatives as changes
 from contactlab.formulas import segment_kernels as kernels
-from contactlab.formulas.class_kernels import ClassKernels, gauss_rule
+from contactlab.formulas.class_kernels import ClassKernels, binder, gauss_rule
 from contactlab.formulas.parameters import values_of
 from contactlab.formulas.segment_normals import inward_normals, turned_normals
-from contactlab.formulas.segment_tables import Both, Derived, Separated
+from contactlab.formulas.tables import Both, Derived, Separated
 
 DEPTH = 2.0
 """Longest segment lengths of the slave: deeper overlaps are the far side of a thin body, not contact."""
@@ -34,26 +34,7 @@ _PIECES, _DERIVATIVES, _GRADIENTS, _NORMALS, _MOMENTS = (BoundCache() for _ in r
 
 
 class _Kernels(ClassKernels):
-    """The kernels of one class, each made when it is first asked for."""
-
-    @cached_property
-    def pieces(self) -> Any:
-        return self.made(kernels.pieces)
-
-    @cached_property
-    def derivatives(self) -> Any:
-        return self.made(changes.piece_derivatives)
-
-    @cached_property
-    def gradients(self) -> Any:
-        return self.made(changes.separation_gradients)
-
-    @cached_property
-    def smooth(self) -> tuple[Any, Any]:
-        """Moments of smooth surfaces and their derivatives."""
-        from contactlab.formulas import segment_smooth
-
-        return self.made(segment_smooth.moments), self.made(segment_smooth.moment_derivatives)
+    """The kernels of one class."""
 
     @property
     def formula_slots(self) -> dict[Slot, Any]:
@@ -78,11 +59,20 @@ class _Kernels(ClassKernels):
 _of_class = cache(_Kernels)
 
 
+def arrays_of(view: ContactView, out: Pieces, part: ContactAlgorithm | None) -> tuple[Any, ...]:
+    """The arrays of a `Both`."""
+    numbers = np.zeros((0, 1)) if part is None else values_of(part)
+    return view.slave, view.master, *view.at, view.near.start, view.near.master, out, numbers
+
+
+_BOTH, _DERIVED, _SEPARATED = (binder(table, arrays_of) for table in (Both, Derived, Separated))
+
+
 def pieces(part: SegmentContact, view: ContactView, out: Pieces) -> int:
     """`ContactAlgorithm.pieces`."""
     made_of = _of_class(type(part))
-    arrays = made_of.given_arrays(_PIECES.of(out, _bound, view, part), Both)
-    count, turned = made_of.pieces(arrays, view.reach, DEPTH, _vertices(part))
+    arrays = made_of.given_arrays(_PIECES.of(out, _BOTH, view, part), Both)
+    count, turned = made_of.made(kernels.pieces)(arrays, view.reach, DEPTH, _vertices(part))
     out.averaged = turned == 0
     return int(count)
 
@@ -90,8 +80,8 @@ def pieces(part: SegmentContact, view: ContactView, out: Pieces) -> int:
 def derivatives(part: SegmentContact, view: ContactView, pieces: Pieces, count: int, out: PieceDerivatives) -> bool:
     """`ContactAlgorithm.derivatives`."""
     made_of = _of_class(type(part))
-    arrays = made_of.given_arrays(_DERIVATIVES.of(out, _bound_derivatives, view, pieces, part), Derived)
-    out.count, out.normal_count = made_of.derivatives(arrays, count, _vertices(part))
+    arrays = made_of.given_arrays(_DERIVATIVES.of(out, _DERIVED, view, part, pieces), Derived)
+    out.count, out.normal_count = made_of.made(changes.piece_derivatives)(arrays, count, _vertices(part))
     return True
 
 
@@ -103,16 +93,19 @@ def gradients(
     if not pieces.averaged:
         return False
     made_of = _of_class(type(part))
-    bound = _GRADIENTS.of(out, _bound_gradients, view, pieces, owner, separation, part)
+    bound = _GRADIENTS.of(out, _SEPARATED, view, part, pieces, owner, separation)
     arrays = made_of.given_arrays(bound, Separated)
-    out.count, out.normal_count = count, made_of.gradients(arrays, count, _vertices(part))
+    out.count, out.normal_count = count, made_of.made(changes.separation_gradients)(arrays, count, _vertices(part))
     return True
 
 
 def moments(part: SegmentContact, view: ContactView, pieces: Pieces, count: int, out: Floats) -> None:
     """Moments (p, 4, 2) of smooth surfaces, see `contactlab.kernels.contact.smooth`."""
+    from contactlab.formulas.segment_smooth import moments
+
     made_of = _of_class(type(part))
-    made_of.smooth[0](made_of.given_arrays(_MOMENTS.of(pieces, _bound, view, part), Both), count, out)
+    arrays = made_of.given_arrays(_MOMENTS.of(pieces, _BOTH, view, part), Both)
+    made_of.made(moments)(arrays, count, out)
 
 
 def moment_derivatives(
@@ -120,36 +113,18 @@ def moment_derivatives(
     nodes: Ints, out: tuple[Ints, Ints, Floats],
 ) -> int:  # fmt: skip
     """Entries (row, column, value) of what separations change with the moments; returns their number."""
+    from contactlab.formulas.segment_smooth import moment_derivatives
+
     made_of = _of_class(type(part))
-    arrays = made_of.given_arrays(_MOMENTS.of(pieces, _bound, view, part), Both)
-    return int(made_of.smooth[1](arrays, count, owner, bends, nodes, out))
+    arrays = made_of.given_arrays(_MOMENTS.of(pieces, _BOTH, view, part), Both)
+    return int(made_of.made(moment_derivatives)(arrays, count, owner, bends, nodes, out))
 
 
 def averaged_normals(view: ContactView, pieces: Pieces, count: int, out: Floats) -> bool:
     """The averaged normals, where directions at ends and vertices are these, too; else False."""
     inward_normals(view.at.slave, view.slave.segments, out)
-    return not turned_normals(_NORMALS.of(pieces, _bound, view, None).address, count, out)
+    return not turned_normals(_NORMALS.of(pieces, _BOTH, view, None).address, count, out)
 
 
 def _vertices(part: SegmentContact) -> bool:
     return part.multipliers == "vertices"
-
-
-def _bound(out: Pieces, view: ContactView, part: SegmentContact | None) -> BoundArrays:
-    return BoundArrays(Both, *arrays_of(view, out, part))
-
-
-def _bound_derivatives(out: PieceDerivatives, view: ContactView, pieces: Pieces, part: SegmentContact) -> BoundArrays:
-    return BoundArrays(Derived, *arrays_of(view, pieces, part), out)
-
-
-def _bound_gradients(
-    out: GapGradients, view: ContactView, pieces: Pieces, owner: Ints, separation: Floats, part: SegmentContact
-) -> BoundArrays:
-    return BoundArrays(Separated, *arrays_of(view, pieces, part), owner, separation, out)
-
-
-def arrays_of(view: ContactView, out: Pieces, part: ContactAlgorithm | None) -> tuple[Any, ...]:
-    """The arrays of a `Both`."""
-    numbers = np.zeros((0, 1)) if part is None else values_of(part)
-    return view.slave, view.master, *view.at, view.near.start, view.near.master, out, numbers

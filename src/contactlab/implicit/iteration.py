@@ -9,11 +9,10 @@ import numpy as np
 
 from contactlab.api import Floats, ImplicitEquations, Iteration, State
 from contactlab.api.frame import SLIP
-from contactlab.implicit.convergence import Residual
 from contactlab.implicit.factor import SingularSystem, with_diagonal
 from contactlab.implicit.line_search import SHORTEST, LineSearch
 from contactlab.implicit.saddle import SaddleSystem
-from contactlab.implicit.scales import AWAY, Scales
+from contactlab.implicit.scales import AWAY, Residual, Scales
 from contactlab.implicit.trial import Balance, Trial
 
 AUGMENTATIONS = 40  # times the iterations of a step that taking over forces may need
@@ -192,7 +191,10 @@ class NewtonIteration:
         drives = spring * float(du @ du) > 0.5 * float(force @ du) > 0.0
         if drives or np.abs(du).max() > AWAY * self.scales.size:
             du *= FARTHEST * self.scales.size / np.abs(du).max()
-            share = min(self._free_share(du, NEAR), self._share_to_stick(du))
+            assert trial.contact is not None
+            place = trial.equations.reference + trial.u
+            share = trial.contact.free_share(place, du.reshape(place.shape), NEAR)
+            share = min(share, self._share_to_stick(du))
             if share == 1.0:
                 raise SingularSystem(problem)
             given[:] = 0.0
@@ -211,11 +213,6 @@ class NewtonIteration:
         slip, change = contact.conditions.slip[slips], contact.linearise(slips).slip @ du
         back = slip * change < 0.0
         return min(1.0, float((-slip[back] / change[back]).min(initial=1.0)))
-
-    def _free_share(self, du: Floats, depth: float) -> float:
-        assert self.trial.contact is not None
-        place = self.trial.equations.reference + self.trial.u
-        return self.trial.contact.free_share(place, du.reshape(place.shape), depth)
 
     def _solved(self, given: Floats, left: float) -> tuple[Floats, Floats]:
         t = self.trial

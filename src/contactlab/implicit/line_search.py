@@ -64,7 +64,7 @@ class LineSearch:
     def _left_to_do(self) -> float:
         """Sum of squares [mm^2] of unbalanced forces and violated conditions, each over its stiffness."""
         trial = self.trial
-        rest = self.scales.left_to_do(trial.force)
+        rest = float((trial.force**2 * self.scales.flexibility**2).sum())
         if trial.contact is not None:
             c = trial.contact.conditions
             rest += float((trial.response.residual[:, c.present] ** 2 / c.stiffness[c.present] ** 2).sum())
@@ -82,7 +82,7 @@ class LineSearch:
                 u.reshape(-1)[trial.held] = (start.reshape(-1) + given)[trial.held]
             y[:] = y_start + length * dy
             trial.evaluate(dt)
-            sense = trial.makes_sense()
+            sense = not trial.equations.folded() and bool(np.isfinite(trial.force).all())
             if sense and (length <= 2.0 * shortest or abs(float(np.vdot(trial.force * self.scales.free, du))) <= work):
                 return note, length
             length, note = 0.5 * length, "the energy of contact grows" if sense else "cells fold over"

@@ -6,15 +6,17 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.api import Estimate, Floats, ImplicitEquations, State
+from contactlab.api import WORK, Estimate, Floats, ImplicitEquations, State
 from contactlab.implicit.contact_forces import ContactForces
 from contactlab.implicit.factor import with_diagonal
 from contactlab.implicit.iteration import NewtonIteration, Outcome
-from contactlab.implicit.ledger import Ledger
 from contactlab.implicit.prediction import Prediction
 from contactlab.implicit.relaxation import Relaxation
 
 LIMITED = 3  # corrections that may be shortened where bodies flow on as in the step before: a shorter step costs less
+INTERNAL, EXTERNAL, CONTACT, FRICTION, SLIP = (
+    WORK.index(name) for name in ("internal", "external", "contact", "friction", "slip")
+)
 
 
 class LoadStep:
@@ -148,3 +150,37 @@ class LoadStep:
         if self.relaxation is not None and self.relaxation.active:
             return with_diagonal(matrix, 1.0, self.relaxation.viscosity.reshape(-1))
         return matrix
+
+
+class Ledger:
+    """Books the work of every kind of force over a step by the trapezoidal rule, exact for forces linear in motion."""
+
+    def __init__(self, state: State) -> None:
+        self.state = state
+        self.before: list[Floats] = []
+
+    def begin_step(self, external: Floats, normal: Floats, tangential: Floats) -> None:
+        """Remember forces and positions at the start."""
+        state = self.state
+        self.displacement = state["displacement"].copy()
+        self.before = [state[name].copy() for name in ("internal_force", "reaction")] + [
+            external.copy(),
+            normal.copy(),
+            tangential.copy(),
+        ]
+
+    def end(self, external: Floats, normal: Floats, tangential: Floats, slip: float) -> None:
+        """Book the step that led from there to the state as it is."""
+        state, work = self.state, self.state["work"]
+        moved = state["displacement"] - self.displacement
+        internal, reaction, loads, pressed, rubbed = self.before
+        work[INTERNAL] += _work(internal, state["internal_force"], moved)
+        work[EXTERNAL] += _work(reaction, state["reaction"], moved) + _work(loads, external, moved)
+        work[CONTACT] += _work(pressed, normal, moved)
+        if len(tangential):
+            work[FRICTION] += _work(rubbed, tangential, moved)
+        work[SLIP] += slip
+
+
+def _work(before: Floats, after: Floats, moved: Floats) -> float:
+    return float(0.5 * np.vdot(before + after, moved))

@@ -19,10 +19,6 @@ FARTHEST = 4.0  # times the step before: beyond it nothing is known
 ALONG = 0.9  # cosine between the motions of two steps, below which the loading turns
 
 
-def _anywhere(before: Floats) -> bool:
-    return True
-
-
 class Prediction:
     """Works on the state's displacement in place.
 
@@ -38,7 +34,7 @@ class Prediction:
         self.follows = self.flows or (equations.contact is not None and len(equations.contact.conditions.slip) > 0)
         self.load: Floats = np.zeros_like(self.moved)
 
-    def start(self, dt: float, target: Floats, reachable: Callable[[Floats], bool] = _anywhere) -> bool:
+    def start(self, dt: float, target: Floats, reachable: Callable[[Floats], bool] = lambda before: True) -> bool:
         """Extrapolate to the end of a step of length dt [s], where prescribed displacements are `target` (p,) [mm].
 
         `reachable` says whether the state may go there at once from a displacement (N, 2) [mm].
@@ -66,9 +62,8 @@ class Prediction:
         held = self.equations.prescribed.dof
         ahead = target - self.state["displacement"].reshape(-1)[held]
         ratio = _along(ahead, self.moved.reshape(-1)[held])
-        return self._load_ratio(dt) if ratio is None else ratio
-
-    def _load_ratio(self, dt: float) -> float:
+        if ratio is not None:
+            return ratio
         now = self.state.time
         before, at, after = (self._load(time) for time in (now - self.state.last_dt, now, now + dt))
         return _along((after - at).ravel(), (at - before).ravel()) or 0.0

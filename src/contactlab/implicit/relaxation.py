@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contactlab.api import WORK, Floats, ImplicitEquations, Iteration, Response, State
-from contactlab.implicit.convergence import force_scale
 from contactlab.implicit.factor import with_diagonal
 from contactlab.implicit.iteration import Outcome, take_back
+from contactlab.implicit.scales import force_scale
 
 if TYPE_CHECKING:
     from contactlab.implicit.load_step import LoadStep
@@ -71,7 +71,9 @@ class Relaxation:
             lasts = dt if not accepted else MOMENT * dt
             load.start(lasts, end if accepted else None)
             load.time = end
-            self._begin(damping, length)
+            self.active = length < np.inf
+            self.viscosity[:] = damping / length
+            np.add(state["displacement"], self.drift, out=self.anchor)
             outcome = iteration.run(lasts, target)
             trace += outcome.trace
             if outcome.reason:
@@ -123,11 +125,6 @@ class Relaxation:
         none = Response.allocate(1, 0)
         carried, _ = load.iteration.system.step(shifted, np.zeros(u.size), given, None, none, np.inf)
         return carried.reshape(damping.shape)
-
-    def _begin(self, damping: Floats, length: float) -> None:
-        self.active = length < np.inf
-        self.viscosity[:] = damping / length
-        np.add(self.state["displacement"], self.drift, out=self.anchor)
 
     def _left(self, load: LoadStep) -> float:
         """Largest viscous force over the largest force."""

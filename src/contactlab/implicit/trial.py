@@ -63,7 +63,3 @@ class Trial:
             self.contact.evaluate(self.equations.position)
             self.contact.enforcement.respond(self.contact.conditions, self.response)
         self.parts = self.balance.unbalanced(self.force)
-
-    def makes_sense(self) -> bool:
-        """Whether no cell is folded over and all forces are finite."""
-        return not self.equations.folded() and bool(np.isfinite(self.force).all())

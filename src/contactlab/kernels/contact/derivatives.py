@@ -186,19 +186,6 @@ def normal_differences(high, middle, low, owners, move, at, out):
 
 
 @kernel
-def master_owners(count, multiplier, master, owners):
-    """First and last master node (k, 2) that the contributions of each multiplier reach, -1 where there is none."""
-    owners[:] = -1
-    for p in range(count):
-        for j in range(multiplier.shape[1]):
-            k = multiplier[p, j]
-            for i in range(master.shape[1]):
-                n = master[p, i]
-                owners[k, 0] = n if owners[k, 0] < 0 else min(owners[k, 0], n)
-                owners[k, 1] = max(owners[k, 1], n)
-
-
-@kernel
 def _wanted(e, multiplier, owner, wanted):
     for j in range(multiplier.shape[1]):
         k = owner[multiplier[e, j]]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactlab.api import Floats, Ints, Surface
+from contactlab.api import Floats, Surface
 from contactlab.api.arrays import Flags
 from contactlab.api.surface import SurfacePositions
 from contactlab.contact.near_list import longest_segment
@@ -136,7 +136,7 @@ def check_overlap(
     for inner, outer in ((slave, master), (master, slave)):
         number = bisect_right(bodies, outer.nodes[0], key=lambda body: body.first + body.count)
         for body in bodies[number : number + 1]:  # none where it is a rigid surface
-            nodes = inner.nodes[~_belongs(inner.nodes, body)]
+            nodes = inner.nodes[(inner.nodes < body.first) | (inner.nodes >= body.first + body.count)]
             depth = depths_inside(positions[nodes], positions, outer_edges(body.cells, body.element))
             worst = int(np.argmax(depth)) if len(depth) else 0
             if len(depth) and depth[worst] > (TOO_DEEP if treated else DEEP) * size:
@@ -170,10 +170,6 @@ def refuse_held_slave(slave: Surface, immobile: Flags, name: str, where: Where) 
             allowed="a slave with nodes that can move",
             hint="exchange the sides: swap = true (or false)",
         )
-
-
-def _belongs(nodes: Ints, body: Body) -> Flags:
-    return np.asarray((nodes >= body.first) & (nodes < body.first + body.count))
 
 
 def _middles(surface: Surface, positions: Floats) -> tuple[Floats, Floats]:

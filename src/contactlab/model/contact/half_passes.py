@@ -11,7 +11,7 @@ from contactlab.api.arrays import Flags
 from contactlab.contact.explicit_system import slips
 from contactlab.contact.half_passes import shear_stiffness
 from contactlab.contact.pair import ContactPair
-from contactlab.contact.pressure_store import PressureStore
+from contactlab.contact.pressure_response import PressureStore
 from contactlab.errors import PartError, SceneError, below
 from contactlab.kernels.contact.rows import tangential_work
 from contactlab.kernels.contact.rub import start_slips

@@ -92,12 +92,14 @@ class ContactPlan:
 
 def all_passes(plans: tuple[ContactPlan, ...]) -> tuple[ContactPlan, ...]:
     """The contacts, and after them the second ones of two half passes."""
-    return (*plans, *(_exchanged(plan) for plan in plans if plan.exchanged))
-
-
-def _exchanged(plan: ContactPlan) -> ContactPlan:
-    slave, master = plan.exchanged
-    return replace(plan, name=f"{plan.name}.exchanged", slave=slave, master=master, sides=plan.sides[::-1], second=True)
+    second = [
+        replace(
+            p, name=f"{p.name}.exchanged", slave=p.exchanged[0], master=p.exchanged[1], sides=p.sides[::-1], second=True
+        )
+        for p in plans
+        if p.exchanged
+    ]
+    return (*plans, *second)
 
 
 def by_energy(plan: ContactPlan) -> bool:
@@ -291,13 +293,16 @@ def build_contact(
         return _pressure_system(
             plans, tuple(pairs), enforcement, bodies, forces, reference, position, mass, state, time
         )
-    if explicit:
-        return _explicit_system(tuple(pairs), enforcement, state, any(plan.smooth for plan in plans))
-    from contactlab.contact.implicit_system import ImplicitContactSystem
-
-    linearised: Any = tuple(pairs)  # the build refuses algorithms and enforcements that do not iterate with others
     consistent = follows_gaps(enforcement, motion="velocity" in state, smooth=any(plan.smooth for plan in plans))
-    return ImplicitContactSystem(linearised, enforcement, state, time, consistent)
+    if not explicit:
+        from contactlab.contact.implicit_system import ImplicitContactSystem
+
+        return ImplicitContactSystem(tuple(pairs), enforcement, state, time, consistent)
+    if not consistent:
+        return ContactSystem(tuple(pairs), enforcement, state)
+    from contactlab.contact.consistent_system import ConsistentContactSystem
+
+    return ConsistentContactSystem(tuple(pairs), enforcement, state)
 
 
 def _pressure_system(
@@ -313,7 +318,7 @@ def _pressure_system(
     time: Floats,
 ) -> Any:
     """The contact system of a normal law."""
-    from contactlab.contact.pressure_store import PressureStore
+    from contactlab.contact.pressure_response import PressureStore
     from contactlab.model.contact.cells_behind import in_series, length_over_mass, stiffness_behind
 
     if law.needs:
@@ -372,16 +377,6 @@ def _traction_system(
     behind = TractionBehind(pairs, forces, position, sum(len(one) for one in stiffness))
     response, linearised = TractionResponse(law, np.concatenate(stiffness), behind), cast("Any", pairs)
     return TractionContactSystem(linearised, response, state, time, follows_gaps=False)
-
-
-def _explicit_system(
-    pairs: tuple[ContactPair, ...], enforcement: ExplicitEnforcement, state: State, smooth: bool
-) -> ContactSystem:
-    if not follows_gaps(enforcement, motion=True, smooth=smooth):
-        return ContactSystem(pairs, enforcement, state)
-    from contactlab.contact.consistent_system import ConsistentContactSystem
-
-    return ConsistentContactSystem(pairs, enforcement, state)
 
 
 def follows_gaps(enforcement: Enforcement, *, motion: bool, smooth: bool) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 from contactlab.api import ExplicitEnforcement, Floats, Ints, NormalLaw, Rows, Solve, State
 from contactlab.contact.consistent_system import ConsistentContactSystem
 from contactlab.contact.pair import ContactPair
-from contactlab.contact.pressure_store import PressureStore
+from contactlab.contact.pressure_response import PressureStore
 from contactlab.kernels.contact.factored_rows import FAR
 from contactlab.kernels.contact.rub import push, rub, start_slips
 from contactlab.model.loading.effect_rates import EffectRates

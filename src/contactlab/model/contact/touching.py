@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,13 +19,9 @@ TOUCH = 1e-6  # of a segment: round-off of meshes that are made to fit
 
 def touching(plans: Iterable[ContactPlan], positions: Floats) -> Joints:
     """Nodes of either side of all contacts that lie on an edge of the other side at `positions` (N, 2)."""
-    found = [joints for plan in plans for joints in _both_ways(plan.slave, plan.master, positions)]
+    ways = [both for plan in plans for both in ((plan.slave, plan.master), (plan.master, plan.slave))]
+    found = [_nodes_on_edges(own, other, positions) for own, other in ways]
     return Joints(*map(np.concatenate, zip(*found, strict=True))) if found else NO_JOINTS
-
-
-def _both_ways(slave: Surface, master: Surface, positions: Floats) -> Iterator[Joints]:
-    yield _nodes_on_edges(slave, master, positions)
-    yield _nodes_on_edges(master, slave, positions)
 
 
 def _nodes_on_edges(own: Surface, other: Surface, positions: Floats) -> Joints:

@@ -70,14 +70,6 @@ def test_normal_differences_are_taken_on_the_side_without_a_jump() -> None:
     np.testing.assert_allclose(out[2][:3], np.tile([0.2, 0.0], (3, 1)), atol=1e-15)
 
 
-def test_master_owners_are_the_first_and_last_nodes_that_a_multiplier_reaches() -> None:
-    multiplier = np.array([[0, 1], [1, 2]], np.int32)
-    master = np.array([[5, 4], [3, 2]], np.int32)
-    owners = np.zeros((4, 2), np.int32)
-    kernels.master_owners(2, multiplier, master, owners)
-    np.testing.assert_array_equal(owners, [[4, 5], [2, 5], [2, 3], [-1, -1]])
-
-
 def changes(seed: int) -> tuple[tuple[Floats, ...], Floats, Floats, Floats]:
     """Changes of random contributions along one direction, as entries and as dense dD (s, k), dM (r, k), dT (k, k)."""
     draw, count = np.random.default_rng(seed), 8

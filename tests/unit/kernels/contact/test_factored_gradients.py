@@ -11,7 +11,7 @@ from contactlab_mortar.mortar import MortarP0, MortarP1
 from surfaces import central_differences
 
 from contactlab.api import FactoredGradients, Floats
-from contactlab.contact.factored_gradients import ModelGradients
+from contactlab.contact.gradients import ModelGradients
 from contactlab.kernels.contact import factored_gradients as kernels
 from contactlab.testing.surfaces import Chains, flat, pair_of
 

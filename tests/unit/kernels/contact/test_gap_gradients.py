@@ -1,4 +1,4 @@
-"""Rows of consistent forces against central differences of gaps, and what they hold at the end of a step."""
+"""Which rows of consistent forces there are, and what they hold at the end of a step (test_consistent_forces: rows)."""
 
 from __future__ import annotations
 
@@ -6,23 +6,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from contactlab_mortar.mortar import MortarP0, MortarP1
-from surfaces import central_differences
+from contactlab_mortar.mortar import MortarP1
 
 from contactlab.api import Floats
 from contactlab.contact.explicit_system import allocate_rows
 from contactlab.contact.gradients import PairGradients
 from contactlab.kernels.contact import gap_gradients as kernels
 from contactlab.testing.surfaces import curved, pair_of
-
-
-def written(algorithm: Any, at: Any) -> tuple[Any, Any, Floats]:
-    """A pair, its consistent rows, and the algorithm's memory."""
-    pair, memory = pair_of(algorithm, at, friction=True)
-    rows = allocate_rows(pair.slots, 64, True)
-    end = PairGradients(pair).append_rows(rows, 0, np.inf, np.zeros((2, pair.slots)), memory)
-    assert end == rows.start[rows.count]
-    return pair, rows, memory
 
 
 def dense(rows: Any, weight: Floats, nodes: int) -> Floats:
@@ -32,20 +22,6 @@ def dense(rows: Any, weight: Floats, nodes: int) -> Floats:
         out, (np.repeat(np.arange(rows.count), np.diff(rows.start[: rows.count + 1])), rows.node[:end]), weight[:end]
     )
     return out
-
-
-@pytest.mark.parametrize("algorithm", [MortarP0(), MortarP1()], ids=["P0", "P1"])
-def test_write_rows_gives_the_central_differences_of_gaps(algorithm: Any) -> None:
-    at = curved()
-    at = at.moved(at.nodes + np.random.default_rng(7).normal(scale=0.01, size=at.nodes.shape))
-    pair, rows, memory = written(algorithm, at)
-    move, slot = np.random.default_rng(3).normal(size=at.nodes.shape), rows.slot[: rows.count].copy()
-    np.testing.assert_array_equal(np.sort(slot), np.sort(pair.coupling.order))
-    np.testing.assert_array_equal(rows.gap[: rows.count], pair.gaps[slot, 0])
-    found = (dense(rows, rows.normal_weight, len(at.nodes)) * move).sum(axis=(1, 2))
-    expected = central_differences(pair, memory, at.nodes, move, slot)
-    assert np.abs(expected).max() > 1.0
-    np.testing.assert_allclose(found, expected, atol=1e-8)
 
 
 def test_write_rows_leaves_out_open_rows_and_tells_that_rows_do_not_fit() -> None:
@@ -67,7 +43,11 @@ def test_allow_motion_holds_the_motion_less_what_may_still_close(strict: bool) -
     """Against dense products: G (predicted - current) - allowed, allowed = -gap, or the least of it, the last step's
     closing and zero."""
     at, draw, dt = curved(), np.random.default_rng(4), 0.3
-    _, rows, _ = written(MortarP1(), at)
+    pair, memory = pair_of(MortarP1(), at, friction=True)
+    rows = allocate_rows(pair.slots, 64, True)
+    end = PairGradients(pair).append_rows(rows, 0, np.inf, np.zeros((2, pair.slots)), memory)
+    assert end == rows.start[rows.count]
+    np.testing.assert_array_equal(rows.gap[: rows.count], pair.gaps[rows.slot[: rows.count], 0])
     gap, n = rows.gap[: rows.count].copy(), rows.count
     current, predicted, velocity = (
         at.nodes,

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from contactlab_mortar.mortar import MortarDual, MortarP1
+from contactlab_mortar.mortar import MortarDual, MortarP0, MortarP1
 from dense_pieces import AGREED, SURFACES, along, central, derivatives_of, drawn_move, fold, pieces_of, summed, view_of
 
 from contactlab.api import Floats, GapGradients, SegmentContact, formula
@@ -56,10 +56,11 @@ def dense_derivatives(algorithm: Any, name: str) -> tuple[Floats, ...]:
 
 
 @pytest.mark.parametrize("vertices", SIDES)
+@pytest.mark.parametrize("kind", [MortarP0, MortarP1, MortarDual])
 @pytest.mark.parametrize("name", FOLDED)
-def test_derivatives_of_a_basis_that_asks_what_is_covered_are_central_differences(name: str, vertices: str) -> None:
-    """Of D, M and T, and of the normals, along a random move of all nodes."""
-    at, algorithm = FOLDED[name], MortarDual(vertices)
+def test_derivatives_are_central_differences(name: str, kind: Any, vertices: str) -> None:
+    """Of D, M and T, and of the normals, along a random move of all nodes; also of a basis that asks for the cover."""
+    at, algorithm = FOLDED[name], kind(vertices)
     found, pieces, _, view = derivatives_of(algorithm, at)
     move, n, k, expected = drawn_move(at), found.count, len(pieces.normal), central(algorithm, at, drawn_move(at))
     step = along(view, at, found.moved[:n], move)[:, None, None]
@@ -86,19 +87,21 @@ def test_biorthogonal_multipliers_have_a_diagonal_t(name: str) -> None:
 
 
 @pytest.mark.parametrize("vertices", SIDES)
-@pytest.mark.parametrize("algorithm", [MortarP1, MortarDual])
+@pytest.mark.parametrize("algorithm", [MortarP0, MortarP1, MortarDual])
 @pytest.mark.parametrize("name", ["partly covered", "quadratic"])
 def test_gradients_are_those_of_the_derivatives(name: str, algorithm: Any, vertices: str) -> None:
-    """Of D^T x - M^T y - T^T r at fixed positions x and y and separations r."""
+    """Of D^T x - M^T y - T^T r at fixed positions x and y and separations r, two multipliers being one."""
     view = view_of(FOLDED[name])
     pieces, count = pieces_of(algorithm(vertices), view)
     pieces.averaged, k = True, len(pieces.normal)  # what directions are at ends does not matter to separations
-    r = np.random.default_rng(5).normal(size=(k, 2))
+    owner, r = np.arange(k, dtype=np.int32), np.random.default_rng(5).normal(size=(k, 2))
+    owner[3], owner[5] = 4, -1  # merged and dropped: the separations that T weighs are those of owners
     found = GapGradients.allocate(count, 2, algorithm.gradient_nodes, 4 * k)
-    assert algorithm(vertices).gradients(view, pieces, count, np.arange(k, dtype=np.int32), r, found)
+    assert algorithm(vertices).gradients(view, pieces, count, owner, r, found)
+    seen = np.where(owner[:, None] >= 0, r[owner], 0.0)
     dD, dM, dT = dense_derivatives(algorithm(vertices), name)
     wanted = np.einsum("zik,id->zkd", dD, view.at.slave) - np.einsum("zik,id->zkd", dM, view.at.master)
-    wanted -= np.einsum("zik,id->zkd", dT, r)
+    wanted -= np.einsum("zik,id->zkd", dT, seen)
     got = np.zeros_like(wanted)
     for p in range(count):
         for v, node in enumerate(found.node[p]):
@@ -106,6 +109,14 @@ def test_gradients_are_those_of_the_derivatives(name: str, algorithm: Any, verti
                 if node >= 0:
                     got[2 * node : 2 * node + 2, found.multiplier[p, j]] += found.value[p, j, :, v].T
     np.testing.assert_allclose(got, wanted, atol=1e-13)
+
+
+def test_gradients_are_not_given_where_normals_are_not_the_averaged_ones() -> None:
+    view = view_of(fold())
+    pieces, count = pieces_of(MortarP1(), view)
+    k = len(pieces.normal)
+    found = GapGradients.allocate(count, 2, 12, 4 * k)
+    assert not MortarP1().gradients(view, pieces, count, np.arange(k, dtype=np.int32), np.zeros((k, 2)), found)
 
 
 def test_formulas_know_the_fields_of_their_part() -> None:
