@@ -10,7 +10,7 @@ import numpy as np
 
 from contactlab.api import ExplicitEnforcement, FactoredRows, Floats, Rows, Solve, State
 from contactlab.contact.explicit_system import ContactSystem
-from contactlab.contact.gradients import ModelGradients, PairGradients, told_by_feet
+from contactlab.contact.gradients import ModelGradients, PairGradients, with_ends
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair
 from contactlab.contact.start_gaps import FacetOverlap
@@ -27,12 +27,12 @@ class ConsistentContactSystem(ContactSystem):
 
     def __init__(self, pairs: tuple[ContactPair, ...], enforcement: ExplicitEnforcement, state: State) -> None:
         super().__init__(pairs, enforcement, state)
-        told, self.told = told_by_feet(pairs), None
-        if enforcement.factored and len(told) == len(pairs):
-            self.told = ModelGradients(told, len(state["displacement"]))
-        constant = FactoredRows.allocate(len(self.rows.gap), 8 * len(self.rows.gap)) if _closest(self) else None
-        self.constant, self.offset = constant, np.zeros(len(self.rows.gap))
-        self.factored = self.told.rows.factors if self.told is not None else constant
+        known, self.ends = with_ends(pairs), None
+        if enforcement.factored and len(known) == len(pairs):
+            self.ends = ModelGradients(known, len(state["displacement"]))
+        columns = FactoredRows.allocate(len(self.rows.gap), 8 * len(self.rows.gap)) if _closest(self) else None
+        self.columns, self.offset = columns, np.zeros(len(self.rows.gap))
+        self.factored = self.ends.rows.factors if self.ends is not None else columns
         # finished conditions have weights that are the derivatives of their gaps already
         self.gradients = {n: PairGradients(pair) for n, pair in enumerate(pairs) if isinstance(pair, OperatorPair)}
         for pair in pairs:
@@ -54,34 +54,34 @@ class ConsistentContactSystem(ContactSystem):
             pair.update(current, memory)
 
     def _solve_factored(self, *where: Floats) -> Solve | None:
-        return self._solve_told(*where) or self._solve_constant(*where)
+        return self._solve_by_ends(*where) or self._solve_by_columns(*where)
 
-    def _solve_told(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve | None:
+    def _solve_by_ends(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve | None:
         """By rows before their coupling is inverted; None where that cannot be."""
-        told, self.rows.count = self.told, 0
-        if told is None or not told.assemble(self.memories):
+        ends, self.rows.count = self.ends, 0
+        if ends is None or not ends.assemble(self.memories):
             return None
-        self.factored = told.rows.factors
-        told.allow_motion(predicted, current, self.velocity, self.state.last_dt)
-        self._push_facets(self.factored, told.rows.offset)
+        self.factored = ends.rows.factors
+        ends.allow_motion(predicted, current, self.velocity, self.state.last_dt)
+        self._push_facets(self.factored, ends.rows.offset)
         asked = perf_counter()
-        done = self.enforcement.solve_gradients(told.rows, compliance, self.multipliers, force)
+        done = self.enforcement.solve_gradients(ends.rows, compliance, self.multipliers, force)
         self.solution_s += perf_counter() - asked
         if done is None:
             self.factored.count = 0  # these rows are not those that recorders are to see
         return done
 
-    def _solve_constant(self, *where: Floats) -> Solve | None:
+    def _solve_by_columns(self, *where: Floats) -> Solve | None:
         """By columns, where closest points are joined: their rows are derivatives as they are; None elsewhere."""
-        if self.constant is None:
+        if self.columns is None:
             return None
-        self.constant.count = 0
+        self.columns.count = 0
         pairs = (pair for pair in self.passes if isinstance(pair, OperatorPair))
         if any(largest_sideways(pair.address) > ROUND for pair in pairs):
             return None
-        self.factored = self.constant
+        self.factored = self.columns
         done, rows = super()._solve_factored(*where), self.factored
-        self.constant = rows
+        self.columns = rows
         if done is not None:
             rows.left[: rows.count] += self.offset[: rows.count]
         return done

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from contactlab.api import Floats, Ints, Surface
@@ -42,11 +44,6 @@ class Coupling:
         )  # fmt: skip
         self.bound = BoundArrays(CouplingTable, *self.table)
         self._scratch = np.zeros(0)
-
-    @property
-    def kept(self) -> int:
-        """Number of multipliers that are neither merged nor dropped."""
-        return int(self.table.kept[0])
 
     @property
     def order(self) -> Ints:
@@ -113,26 +110,19 @@ class Coupling:
 
     def rows(self, columns: BandedRows, rows: BandedRows) -> BandedRows:
         """Rows of T^-T A^T from columns of A, in `rows` or in wider ones."""
-        while True:
-            scratch = self._room(rows)
-            needed = banded_rows.solved(self.bound.address, columns, rows, scratch)
-            if not needed:
-                return rows
-            rows = BandedRows.allocate(len(self.owner), needed + needed // 2)
+        return self._wide_enough(lambda out, room: banded_rows.solved(self.bound.address, columns, out, room), rows)
 
     def inverse_transposed(self, rows: BandedRows) -> BandedRows:
         """Rows of T^-T, in `rows` or in wider ones."""
+        return self._wide_enough(lambda out, room: banded_rows.inverse_transposed(self.bound.address, out, room), rows)
+
+    def _wide_enough(self, fill: Callable[[BandedRows, Floats], int], rows: BandedRows) -> BandedRows:
         while True:
-            scratch = self._room(rows)
-            needed = banded_rows.inverse_transposed(self.bound.address, rows, scratch)
-            if not needed:
+            if rows.weight.shape[1] > len(self._scratch):
+                self._scratch = np.zeros(rows.weight.shape[1])
+            if not (needed := fill(rows, self._scratch)):
                 return rows
             rows = BandedRows.allocate(len(self.owner), needed + needed // 2)
-
-    def _room(self, rows: BandedRows) -> Floats:
-        if rows.weight.shape[1] > len(self._scratch):
-            self._scratch = np.zeros(rows.weight.shape[1])
-        return self._scratch
 
 
 def _neighbours(slave: Surface, slots: int, carried: Flags) -> tuple[Ints, Ints]:

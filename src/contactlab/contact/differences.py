@@ -24,31 +24,24 @@ class DerivativesOfPieces:
         self.pair = pair
         self.links = _links(pair.slave), _links(pair.master)
         self.high, self.low = self._spare(), self._spare()
-        self.out = self._room(256, 256)
+        self.out = PieceDerivatives.allocate(256, pair.widths, 256)
         self.follows_master: bool | None = None
         self.shown: tuple[ContactView, ...] = ()
 
     def _spare(self) -> Pieces:
-        pair = self.pair
-        return Pieces.allocate(len(pair.pieces.slave), pair.algorithm.widths(pair.slave, pair.master), pair.slots)
-
-    def _room(self, entries: int, normals: int) -> PieceDerivatives:
-        return PieceDerivatives.allocate(
-            entries, self.pair.algorithm.widths(self.pair.slave, self.pair.master), normals
-        )
+        return Pieces.allocate(len(self.pair.pieces.slave), self.pair.widths, self.pair.slots)
 
     def of(self, memory: Floats) -> PieceDerivatives:
         """Derivatives of the pair's pieces at its present positions; the same object every call."""
         pair = self.pair
-        widths = sum(pair.algorithm.widths(pair.slave, pair.master))
-        self._make_room(OWN_ENTRIES * pair.count * widths, 20 * pair.slots + OWN_NORMALS * pair.count)
+        self._make_room(OWN_ENTRIES * pair.count * sum(pair.widths), 20 * pair.slots + OWN_NORMALS * pair.count)
         if pair.algorithm.derivatives(pair.seen(memory), pair.pieces, pair.count, self.out):
             return self.out
         return self._differences(memory)
 
     def _make_room(self, entries: int, normals: int) -> None:
         if entries > len(self.out.moved) or normals > len(self.out.normal_moved):
-            self.out = self._room(entries + entries // 4, normals)
+            self.out = PieceDerivatives.allocate(entries + entries // 4, self.pair.widths, normals)
 
     def _differences(self, memory: Floats) -> PieceDerivatives:
         pair = self.pair

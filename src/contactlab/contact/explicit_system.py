@@ -115,13 +115,7 @@ class ContactSystem:
         return step if self.varying else advance
 
     def _enforce(self, compliance: Floats, force: Floats) -> Solve:
-        """Forces of the rows; bounds that vary are those of the slip that they leave."""
-        done = self._enforce_once(compliance, force)
-        if self.varying:
-            return self._follow(done, lambda: self._enforce_once(compliance, force), compliance, force)
-        return done
-
-    def _enforce_once(self, compliance: Floats, force: Floats) -> Solve:
+        """Forces of the rows."""
         began = perf_counter()
         done = self.enforcement.solve(self.rows, compliance, self.multipliers, force)
         self.solution_s += perf_counter() - began
@@ -169,6 +163,8 @@ class ContactSystem:
         while True:
             self._assemble(margin, current, predicted)
             done = self._enforce(compliance, force)
+            if self.varying:
+                done = self._follow(done, lambda: self._enforce(compliance, force), compliance, force)
             # a left-out row could have closed only if nodes were moved by a good part of the margin
             if 4.0 * done.largest_correction <= margin or margin == np.inf:
                 return done

@@ -29,8 +29,7 @@ class PairGradients:
         self._bind(self.own)
 
     def _room(self, entries: int, nodes: int) -> GapGradients:
-        width = self.pair.algorithm.widths(self.pair.slave, self.pair.master)[1]
-        return GapGradients.allocate(entries, width, nodes, NORMALS * self.pair.slots)
+        return GapGradients.allocate(entries, self.pair.widths[1], nodes, NORMALS * self.pair.slots)
 
     def _bind(self, g: GapGradients) -> None:
         self.bound_of, self.bound = g, BoundArrays(GapGradients, g)
@@ -122,7 +121,7 @@ class PairEnds:
         return pair.algorithm.feet(pair.seen(memory), pair.pieces, pair.count, self.feet)
 
 
-def told_by_feet(pairs: Sequence[ContactPair]) -> list[OperatorPair]:
+def with_ends(pairs: Sequence[ContactPair]) -> list[OperatorPair]:
     """All the pairs, where their rows can be told by the ends of pieces: straight edges, and nothing that rubs."""
     return [
         pair

@@ -212,7 +212,7 @@ class PairLinearisation(Linearisation):
     def _gap_derivatives(
         self, pieces: PieceDerivatives, wanted: Floats, at: SurfacePositions, separation: Floats
     ) -> Any:
-        pair, out = self.pair, _triplets(2 * pieces.count * pieces.multiplier.shape[1])
+        pair, out = self.pair, triplets(2 * pieces.count * pieces.multiplier.shape[1])
         nodes = pair.slave.nodes, pair.master.nodes
         count = derivatives.gap_derivatives(
             pieces.count, _arrays(pieces), pair.coupling.owner, wanted, tuple(at), separation, nodes, out
@@ -234,8 +234,8 @@ class PairLinearisation(Linearisation):
         self, pieces: PieceDerivatives, wanted: Floats, traction: Floats, weights: Any, y_n: Floats, y_t: Floats | None
     ) -> Any:
         pair, k = self.pair, pieces.multiplier.shape[1]
-        direct = _triplets(2 * pieces.count * (pieces.slave.shape[1] + pieces.master.shape[1]))
-        coupled = _triplets(2 * pieces.count * k)
+        direct = triplets(2 * pieces.count * (pieces.slave.shape[1] + pieces.master.shape[1]))
+        coupled = triplets(2 * pieces.count * k)
         nodes = pair.slave.nodes, pair.master.nodes
         count, given = derivatives.force_derivatives(
             pieces.count, _arrays(pieces), pair.coupling.owner, wanted, traction, nodes, direct, coupled
@@ -282,12 +282,13 @@ def turned(vectors: Floats) -> Floats:
 
 def entries(chosen: Ints, rows: BandedRows, cut: float) -> tuple[Ints, Ints, Floats]:
     """Entries (row, position, value) of the chosen ones of some rows, those above `cut`."""
-    out = _triplets(int(np.maximum(rows.end[chosen] - rows.start[chosen], 0).sum()))
+    out = triplets(int(np.maximum(rows.end[chosen] - rows.start[chosen], 0).sum()))
     count = banded_rows.entries(chosen, rows, cut, *out)
     return _first(out, count)
 
 
-def _triplets(size: int) -> tuple[Ints, Ints, Floats]:
+def triplets(size: int) -> tuple[Ints, Ints, Floats]:
+    """Room for so many entries (row, column, value)."""
     return np.zeros(size, np.int32), np.zeros(size, np.int32), np.zeros(size)
 
 

@@ -17,7 +17,7 @@ from contactlab.contact.pair import ContactPair
 from contactlab.errors import SceneError, WrongAnswer
 from contactlab.kernels.contact import banded_rows, rows
 from contactlab.kernels.contact import pair as kernels
-from contactlab.kernels.contact.factored_rows import FAR
+from contactlab.kernels.contact.factored_rows import FAR, write_factored
 from contactlab.kernels.contact.tables import BandedRows, BothSides, PairTable
 
 
@@ -181,7 +181,7 @@ class OperatorPair(ContactPair):
 
     def append_factored(self, out: FactoredRows) -> bool:
         """Append all conditions to `out`; False where it is too small."""
-        count = kernels.append_factored(self.address, self.first_slot, out.count, out.packed.address)
+        count = write_factored(self.address, self.first_slot, out.count, out.packed.address)
         if count >= 0:
             out.count = count
         return bool(count >= 0)

@@ -11,6 +11,7 @@ import numpy as np
 
 from contactlab.api import Floats, Ints, SegmentContact, Surface
 from contactlab.api.surface import SurfacePositions
+from contactlab.contact.linearisation import triplets
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.formulas import segments
 from contactlab.kernels.contact import smooth as kernels
@@ -59,7 +60,7 @@ class SmoothSurfaces:
         Rows are 2 k + component, columns those of the model.
         """
         pair, pieces, owner, at = self.pair, self.pair.pieces, self.pair.coupling.owner, tuple(self.pair.at)
-        out = row, column, value = _triplets(ENTRIES * pair.count)
+        out = row, column, value = triplets(ENTRIES * pair.count)
         kernels.put_all_bends(at, self.sides)
         bends = self.sides[0][2], self.sides[1][2]
         count = segments.moment_derivatives(
@@ -74,10 +75,6 @@ class SmoothSurfaces:
             pair.count, pieces.multiplier, owner, pieces.segment, self.moments, at, sides, rest
         )
         return row[:count], column[:count], value[:count]
-
-
-def _triplets(size: int) -> tuple[Ints, Ints, Floats]:
-    return np.zeros(size, np.int32), np.zeros(size, np.int32), np.zeros(size)
 
 
 def _beside(surface: Surface, at: Floats) -> Ints:

@@ -94,7 +94,7 @@ class WorkSplit:
         self.work += 0.5 * np.array([closing, step, normals, weights])
 
     def _joins_closest_points(self) -> bool:
-        constant: FactoredRows | None = getattr(self.contact, "constant", None)
+        constant: FactoredRows | None = getattr(self.contact, "columns", None)
         if constant is None or self.contact.factored is not constant:
             return False
         return constant.count > 0

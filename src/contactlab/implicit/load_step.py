@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from contactlab.api import WORK, Estimate, Floats, ImplicitEquations, State
-from contactlab.implicit.contact_forces import ContactForces
 from contactlab.implicit.factor import with_diagonal
 from contactlab.implicit.iteration import NewtonIteration, Outcome
 from contactlab.implicit.prediction import Prediction
 from contactlab.implicit.relaxation import Relaxation
+from contactlab.implicit.trial import ContactForces
 
 LIMITED = 3  # corrections that may be shortened where bodies flow on as in the step before: a shorter step costs less
 INTERNAL, EXTERNAL, CONTACT, FRICTION, SLIP = (

@@ -17,11 +17,11 @@ import numpy as np
 
 from contactlab.api import WORK, Floats, ImplicitEquations, State
 from contactlab.api.motion import OfMotion
-from contactlab.implicit.contact_forces import ContactForces
 from contactlab.implicit.factor import with_diagonal
 from contactlab.implicit.impacts import Impacts, impacts_of
 from contactlab.implicit.impulses import solve_impulses
 from contactlab.implicit.iteration import NewtonIteration, Outcome
+from contactlab.implicit.trial import ContactForces
 
 MEET = "surfaces meet within it at a speed that matters"
 FRONTS = "contact changes faster than it can follow"

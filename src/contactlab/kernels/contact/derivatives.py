@@ -73,15 +73,11 @@ def moved_node(nodes, p, move):
 @kernel
 def _alike(p, first, q, second):
     """Whether contribution p of one set and q of the other couple the same nodes and multipliers."""
-    for i in range(first[0].shape[1]):
-        if first[0][p, i] != second[0][q, i]:
-            return False
-    for i in range(first[1].shape[1]):
-        if first[1][p, i] != second[1][q, i]:
-            return False
-    for i in range(first[2].shape[1]):
-        if first[2][p, i] != second[2][q, i]:
-            return False
+    for side in range(3):
+        one, other = first[:3][side], second[:3][side]
+        for i in range(one.shape[1]):
+            if one[p, i] != other[q, i]:
+                return False
     return True
 
 

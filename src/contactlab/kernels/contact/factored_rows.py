@@ -124,12 +124,13 @@ def _write_column(k, column, sign, numbers, at, node, weight):
     return at
 
 
-@section
-def write_factored(pair, first_slot, row, out):
-    """Append all conditions of a pair (`PairTable`) to those of the model; returns their number, or -1 if out of room.
+@kernel
+def write_factored(bound, first_slot, row, bound_rows):
+    """Append all conditions of a pair to the `row` ones of the model; returns their number, or -1 if out of room.
 
-    out = a `FactoredTable`, `row` of it in use
+    bound, bound_rows  addresses of a `PairTable` and of a `FactoredTable`
     """
+    pair, out = unpack(bound, PairTable), unpack(bound_rows, FactoredTable)
     c, columns, slave, master = pair.coupling, pair.columns, pair.places.slave, pair.places.master
     single, normal, gaps = c.single[0], pair.pieces.normal, pair.gaps
     at = out.start[row]

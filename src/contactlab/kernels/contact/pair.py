@@ -6,12 +6,11 @@
 from __future__ import annotations
 
 from contactlab.api.compiled.chains import tributary_lengths
-from contactlab.api.compiled.contact_tables import FactoredTable
-from contactlab.api.compiled.kernel import kernel, section
+from contactlab.api.compiled.kernel import kernel
 from contactlab.api.compiled.unpack import unpack
 from contactlab.kernels.contact.banded_rows import fill_columns
 from contactlab.kernels.contact.coupling import couple, unmerged
-from contactlab.kernels.contact.factored_rows import separations, write_factored
+from contactlab.kernels.contact.factored_rows import separations
 from contactlab.kernels.contact.search import largest_move, take
 from contactlab.kernels.contact.tables import PairTable
 
@@ -31,8 +30,13 @@ def place(bound, positions, compliance, force, pushed):
     if pushed:
         _push(compliance, force, at.slave, at.slave_at)
         _push(compliance, force, at.master, at.master_at)
-    tributary_lengths(at.slave_at, at.segments, at.node_segments, pair.coupling.full)
-    _give_lengths(pair.coupling)
+    c, full = pair.coupling, pair.coupling.full
+    tributary_lengths(at.slave_at, at.segments, at.node_segments, full)
+    for i in range(c.absent.size):  # lengths of nodes without multiplier go to the carriers on either side, by halves
+        k = c.absent[i]
+        full[c.following[k]] += 0.5 * full[k]
+        full[c.preceding[k]] += 0.5 * full[k]
+        full[k] = 0.0
     return max(largest_move(at.slave_at, at.slave_before), largest_move(at.master_at, at.master_before))
 
 
@@ -42,17 +46,6 @@ def _push(compliance, force, nodes, at):
         n = nodes[i]
         for c in range(2):
             at[i, c] += compliance[n, c] * force[n, c]
-
-
-@section
-def _give_lengths(coupling):
-    """Lengths of nodes that carry no multiplier go to the carriers on either side, by halves."""
-    full = coupling.full
-    for i in range(coupling.absent.size):
-        k = coupling.absent[i]
-        full[coupling.following[k]] += 0.5 * full[k]
-        full[coupling.preceding[k]] += 0.5 * full[k]
-        full[k] = 0.0
 
 
 @kernel
@@ -84,12 +77,3 @@ def compute_gaps_at(bound, at, normals, separation, gaps):
     """Separations and gaps (k, 2) of the kept multipliers with other `normals` at = positions of slave and master."""
     pair = unpack(bound, PairTable)
     separations(pair.coupling, pair.columns, at, normals, separation, gaps)
-
-
-@kernel
-def append_factored(bound, first_slot, row, rows):
-    """Append all conditions to the `row` ones of the model, a `FactoredTable` at the address `rows`.
-
-    Returns their number, or -1 if out of room.
-    """
-    return write_factored(unpack(bound, PairTable), first_slot, row, unpack(rows, FactoredTable))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from surfaces import chain
 
 from contactlab.api import Floats
 from contactlab.kernels.contact import derivatives as kernels
@@ -119,9 +118,3 @@ def test_gap_derivatives_are_the_changes_of_all_three() -> None:
     x, y, r = draw.normal(size=(S, 2)), draw.normal(size=(R, 2)), draw.normal(size=(K, 2))
     count = kernels.gap_derivatives(8, entries, OWNER, WANTED, (x, y), r, NODES, weight)
     np.testing.assert_allclose(summed(weight, count, 2 * K), dD.T @ x - dM.T @ y - dT.T @ r, atol=1e-13)
-
-
-def test_chains_have_neighbours() -> None:
-    """The links of `move` are those of a surface."""
-    segments = chain(4).segments
-    np.testing.assert_array_equal(move(4, np.zeros(4), 0).following[segments[:, 0]], segments[:, 1])

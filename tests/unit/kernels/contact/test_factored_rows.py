@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from contactlab_mortar.mortar import MortarP1
-from surfaces import columns_of, dense_rows
+from surfaces import columns_of
 
 from contactlab.api import FactoredRows
 from contactlab.kernels.contact.factored_rows import FAR, allow_constant_motion, largest_sideways, separations
@@ -33,18 +33,6 @@ def test_separations_and_their_parts(single: bool) -> None:
     np.testing.assert_allclose(gaps[kept, 0], (normals * weighted).sum(axis=1)[kept], atol=ROUND_OFF)
     np.testing.assert_allclose(gaps[kept, 1], (tangents * weighted).sum(axis=1)[kept], atol=ROUND_OFF)
     np.testing.assert_array_equal(np.delete(gaps[:, 0], kept), FAR)
-
-
-def test_both_ways_of_weighing_agree() -> None:
-    """Columns and substitutions give what rows give: the rows are the columns, solved."""
-    master, _, found, _ = columns_of(4)
-    y = np.random.default_rng(5).uniform(size=(14, 2))
-    separation, gaps = np.zeros((12, 2)), np.zeros((12, 2))
-    normals = np.tile([0.0, 1.0], (12, 1))
-    columns, found.table.single[0] = BothSides(master, master), True
-    separations(found.table, columns, (np.zeros((12, 2)), y), normals, separation, gaps)
-    rows = dense_rows(found.rows(master, master.allocate(12, 14)), 14)
-    np.testing.assert_allclose(separation[found.order], -(rows @ y)[found.order], atol=ROUND_OFF)
 
 
 def test_allow_constant_motion_of_rows_that_are_not_written_out() -> None:

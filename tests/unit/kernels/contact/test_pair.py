@@ -10,6 +10,7 @@ from contactlab_mortar.mortar import MortarP1
 
 from contactlab.api import FactoredRows, Floats
 from contactlab.kernels.contact import pair as kernels
+from contactlab.kernels.contact.factored_rows import write_factored
 from contactlab.testing.surfaces import curved, flat, pair_of
 
 ROUND_OFF = 1e-12  # through a T whose condition is below ten
@@ -63,7 +64,7 @@ def test_place_pushes_by_compliance_times_force_and_sums_lengths(pair: Any) -> N
 
 def test_join_gives_the_separations_of_dense_matrices(pair: Any) -> None:
     kernels.place(pair.address, OTHER, OTHER, OTHER, False)
-    assert kernels.join(pair.address, pair.count, True) == (pair.coupling.kept, 0, 0)
+    assert kernels.join(pair.address, pair.count, True) == (len(pair.coupling.order), 0, 0)
     kept, expected = pair.coupling.order, weighted(pair, OTHER[AT.slave.nodes], OTHER[AT.master.nodes])
     np.testing.assert_allclose(pair.separation[kept], expected, atol=ROUND_OFF)
     np.testing.assert_allclose(pair.gaps[kept, 0], (pair.normals[kept] * expected).sum(axis=1), atol=ROUND_OFF)
@@ -78,7 +79,7 @@ def test_join_tells_how_wide_columns_have_to_be() -> None:
     found.columns = found.columns._replace(master=narrow)
     found._bind()
     kept, slave, master = kernels.join(found.address, found.count, True)
-    assert (kept, slave) == (found.coupling.kept, 0)
+    assert (kept, slave) == (len(found.coupling.order), 0)
     assert 3 < master <= width
 
 
@@ -94,10 +95,10 @@ def test_compute_gaps_at_leaves_the_pair_as_it_is(pair: Any) -> None:
     np.testing.assert_array_equal(pair.gaps, before)
 
 
-def test_append_factored_writes_columns_coupling_and_gaps(pair: Any) -> None:
+def test_write_factored_gives_columns_coupling_and_gaps(pair: Any) -> None:
     """T^-T of the rows that are written gives the separations that the pair has."""
     out = FactoredRows.allocate(pair.slots + 2, 400)
-    count = kernels.append_factored(pair.address, 5, 0, out.packed.address)
+    count = write_factored(pair.address, 5, 0, out.packed.address)
     kept = pair.coupling.order
     assert count == len(kept)
     np.testing.assert_array_equal(out.slot[:count], kept + 5)
@@ -114,4 +115,4 @@ def test_append_factored_writes_columns_coupling_and_gaps(pair: Any) -> None:
     own = np.where(out.own[:count, None] >= 0, x[out.own[:count]], 0.0)
     np.testing.assert_allclose(right + own, pair.separation[kept], atol=ROUND_OFF)
     small = FactoredRows.allocate(pair.slots + 2, 3)
-    assert kernels.append_factored(pair.address, 0, 0, small.packed.address) == -1
+    assert write_factored(pair.address, 0, 0, small.packed.address) == -1
