@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from contactlab_segments.midplane import Midplane
 
-from contactlab.api import Floats, Potential, PotentialView, Pressures
+from contactlab.api import Floats, NodalForces, Potential, PotentialView
 from contactlab.testing import Expected, NotApplicable, potential
 from contactlab.testing.assertions import Check
 
@@ -83,14 +83,14 @@ class Flawed(Midplane):
         found = super().friction_hessian(view, positions)
         return 0.0 * found if self.flaw == "friction without stiffness" else found
 
-    def pressures(self, view: PotentialView, positions: Floats, normal: Floats, length: Floats) -> Pressures:
-        found = super().pressures(view, positions, normal, length)
-        if self.flaw == "pressures of half the length":
-            return found._replace(pressure=2.0 * found.pressure)
+    def nodal_forces(self, view: PotentialView, positions: Floats) -> NodalForces:
+        found = super().nodal_forces(view, positions)
+        if self.flaw == "shows twice the push":
+            return found._replace(push=2.0 * found.push)
         if self.flaw == "shears turned round":
-            return found._replace(shear=-found.shear)
+            return found._replace(rub=-found.rub)
         if self.flaw == "pressures that lean":
-            return found._replace(pressure=found.pressure * np.linspace(0.999, 1.001, len(length)))
+            return found._replace(push=found.push * np.linspace(0.999, 1.001, len(found.push))[:, None])
         return found
 
 
@@ -102,8 +102,8 @@ WRONG: list[tuple[Check, str]] = [
     (potential.forces_balance, "master pushed too little"),
     (potential.patch_test, "stronger to the right"),
     (potential.patch_test, "pressures that lean"),
-    (potential.pressures_sum_to_the_forces, "pressures of half the length"),
-    (potential.pressures_sum_to_the_forces, "shears turned round"),
+    (potential.shown_forces_sum_to_those_that_act, "shows twice the push"),
+    (potential.shown_forces_sum_to_those_that_act, "shears turned round"),
     (potential.rigid_motions_keep_the_energy, "energy of one place"),
     (potential.rigid_motions_keep_the_energy, "forces along the axes"),
     (potential.no_force_when_apart, "pushes beside its contact"),

@@ -46,14 +46,11 @@ class PotentialView(NamedTuple):
     friction: FrictionBound | None
 
 
-class Pressures(NamedTuple):
-    """What slave nodes feel, (m,) each: pressure and shear [MPa] over the tributary lengths of the deformed surface.
+class NodalForces(NamedTuple):
+    """Forces on the slave's nodes, (m, 2) [N] each: of the energy, and of friction. Their sums are those that act."""
 
-    Their integrals are the contact forces. Shear is positive along the slave's direction.
-    """
-
-    pressure: Floats
-    shear: Floats
+    push: Floats
+    rub: Floats
 
 
 class Potential(ContactMethod):
@@ -110,12 +107,9 @@ class Potential(ContactMethod):
         """Derivative of `friction_gradient` by the positions, as `hessian`; by default None: differences."""
         return None
 
-    def pressures(self, view: PotentialView, positions: Floats, normal: Floats, length: Floats) -> Pressures | None:
-        """What slave nodes feel at accepted positions, for tables, curves and errors.
+    def nodal_forces(self, view: PotentialView, positions: Floats) -> NodalForces | None:
+        """Forces that tables, curves and errors show at accepted positions, divided by tributary lengths.
 
-        normal  (m, 2) outward unit normals of the slave, averaged at nodes
-        length  (m,) [mm] tributary lengths
-
-        By default None: the core divides the forces on the slave's nodes by their tributary lengths.
+        By default None: minus the gradients.
         """
         return None

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 from scipy.sparse import coo_array
 
-from contactlab.api import Floats, FrictionLaw, Potential, PotentialView, Surface
+from contactlab.api import Floats, FrictionLaw, Ints, Potential, PotentialView, Surface
 from contactlab.api.compiled.chains import nodal_normals, segment_normals
 from contactlab.contact.closest import ClosestPoints
 from contactlab.contact.gap_pair import GapPair
@@ -16,7 +16,7 @@ from contactlab.errors import WrongAnswer
 from contactlab.kernels.contact.factored_rows import FAR
 
 STEP = 1e-6  # of a segment: differences of gradients
-LAGGED = 1e-4  # of the largest force: friction forces that change less by newer normal forces are those of the end
+LAGGED = 1e-8  # of the largest force: friction forces that change less by newer normal forces are those of the end
 
 
 class Opened(StartGaps):
@@ -49,6 +49,7 @@ class PotentialPair(GapPair):
     at_nodes   (n, 2) [mm] positions of the last `evaluate`
     pushed     (n, 2) [N] gradient there; rubbed: the same of friction, None without
     kept       (n, 2) [N] that of friction at the end of the last step, part of the state
+    slipped    (m,) [mm] slip of the slave's nodes in the last step, with friction
     """
 
     by_energy: ClassVar[bool] = True
@@ -78,7 +79,7 @@ class PotentialPair(GapPair):
         self.view = PotentialView(*sides, edges, at, length, modulus, stiffness, at.copy(), at.copy(), bound)
         self.position, self.at_nodes, self.pushed = reference, at.copy(), np.zeros_like(at)
         self.rubbed: Floats | None = None
-        self.kept = np.zeros_like(at)
+        self.kept, self.slipped = np.zeros_like(at), np.zeros(len(self.slave.nodes))
         self.clearance = float(potential.clearance(self.view))
 
     def calls_per_step(self) -> dict[str, int]:
@@ -166,6 +167,12 @@ class PotentialPair(GapPair):
             return 0.0
         return float(np.vdot(self.rubbed, self.at_nodes - self.view.start))
 
+    def creep(self, states: Ints) -> float:
+        """Mean slip of nodes that stick (1 in `states`) in the last step, by friction, over the largest motion."""
+        motion = float(np.hypot(*(self.at_nodes - self.view.start).T).max())
+        held = np.where(states == 1, np.hypot(*self.kept[: len(states)].T), 0.0)
+        return float(held @ np.abs(self.slipped)) / max(float(held.sum()) * motion, 1e-300)
+
     def stored_since_start(self) -> float:
         """Energy [mJ] of the potential at the last `evaluate` beyond that of the undeformed surfaces."""
         start, now = (self.potential.energy(self.view, at) for at in (self.view.reference, self.at_nodes))
@@ -180,6 +187,7 @@ class PotentialPair(GapPair):
         if self.sliding is not None:
             began = self.position.copy()
             began[self.nodes] = self.view.start
+            self.slipped[:] = (self.gaps - self.gaps_at(began))[:, 1]
             self.compute_start_normals(began, np.zeros((0, m)))
         self.evaluated = True
         if self.rubbed is not None:
@@ -187,24 +195,20 @@ class PotentialPair(GapPair):
         across, lengths, normal = np.zeros((len(segments), 2)), np.zeros(len(segments)), np.zeros((m, 2))
         segment_normals(self.at.slave, segments, across, lengths)
         nodal_normals(self.slave.node_segments, across, lengths, normal)
-        full = self.full[:m]
-        found = self.potential.pressures(self.view, self.at_nodes, normal, full)
-        if found is None:
-            push, rub = -self.pushed[:m], -self.rubbed[:m] if self.rubbed is not None else np.zeros((m, 2))
-            size = np.hypot(*push.T)
-            pressed = (push * normal).sum(axis=1) < 0.0
-            # nodes are pushed along their forces, so that pressures sum up to what acts
-            inward = np.where(pressed[:, None], push / np.where(pressed, size, 1.0)[:, None], -normal)
-            along = np.stack([inward[:, 1], -inward[:, 0]], axis=1)
-            pressure, shear = (push * inward).sum(axis=1) / full, (rub * along).sum(axis=1) / full
-            self.normals[:] = inward
-        else:
-            pressure, shear = found
+        shown = self.potential.nodal_forces(self.view, self.at_nodes)
+        rubbed = self.rubbed if self.rubbed is not None else np.zeros_like(self.pushed)
+        push, rub = shown if shown is not None else (-self.pushed[:m], -rubbed[:m])
+        pressed = (push * normal).sum(axis=1) < 0.0
+        # nodes are pushed along their forces, so that these sum up to what acts
+        size = np.where(pressed, np.hypot(*push.T), 1.0)
+        inward = np.where(pressed[:, None], push / size[:, None], -normal)
+        along = np.stack([inward[:, 1], -inward[:, 0]], axis=1)
+        self.normals[:] = inward
         own = slice(self.first_slot, self.first_slot + m)
-        held = (self.gaps[:m, 0] < FAR) & (pressure > 0.0)
-        multipliers[0, own] = np.where(held, pressure * full, 0.0)
+        held = (self.gaps[:m, 0] < FAR) & pressed
+        multipliers[0, own] = np.where(held, size, 0.0)
         if self.friction is not None:
-            multipliers[1, own] = np.where(held, shear * full, 0.0)
+            multipliers[1, own] = np.where(held, (rub * along).sum(axis=1), 0.0)
 
 
 def differences(gradient: Any, view: PotentialView, at: Floats, step: float) -> Floats:

@@ -87,6 +87,7 @@ def states_of(pair: ContactPair, seen: ContactSnapshot, bound: Floats) -> Ints:
     """States (m,) of the nodes that carry multipliers: 0 open, 1 stick, 2 slip."""
     normal_force, tangential_force = seen.forces
     pressed = (normal_force > 0.0) | (tangential_force != 0.0)
-    stick = pressed & (np.abs(tangential_force) < bound * (1.0 - 1e-9))
+    short = np.maximum(1e-9 * bound, pair.lagged * normal_force.max(initial=0.0))
+    stick = pressed & (np.abs(tangential_force) < bound - short)
     per_slot = np.where(stick, 1, np.where(pressed, 2, 0)).astype(np.int32)
     return np.asarray(per_slot.reshape(pair.rows_per_node, -1).max(axis=0), np.int32)

@@ -42,6 +42,10 @@ TEXTS: dict[str, tuple[str, str, str]] = {
         "swap", "pressed surfaces come nearer than they may, and contact forces are too small: pushing them back would "
         "take {value} of the work of the stresses", "",
     ),
+    "creep": (
+        "algorithm", "nodes that stick creep by {value} of the motion of the surfaces in the last step: friction holds "
+        "them too weakly", "reduce slip of the algorithm, or use multipliers (mortar-p1)",
+    ),
     "pressure-saw": ("algorithm", "the pressure alternates from node to node by {value} of its largest value", ""),
     "shear-saw": ("algorithm", "the shear alternates from node to node by {value} of its largest value", ""),
 }  # fmt: skip

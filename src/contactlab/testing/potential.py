@@ -99,32 +99,31 @@ def patch_test(potential: Potential) -> None:
             f"forces of a uniform overlap, {edges[0]} {'straight' if order == 1 else 'quadratic'} edges on {edges[1]}"
         )
         agree(force, even, EVEN * np.abs(even).max(), what)
-        normal, length = np.tile([0.0, -1.0], (m, 1)), pair.full[:m]
-        found = potential.pressures(pair.view, pair.view.reference, normal, length)
+        found = potential.nodal_forces(pair.view, pair.view.reference)
         if found is not None:
-            mean = float(found.pressure.mean())
-            agree(found.pressure, np.full(m, mean), EVEN * abs(mean), f"pressures of a uniform overlap, order {order}")
+            pressure = found.push[:, 1] / pair.full[:m]
+            mean = float(pressure.mean())
+            agree(pressure, np.full(m, mean), EVEN * abs(mean), f"pressures of a uniform overlap, order {order}")
 
 
-def pressures_sum_to_the_forces(potential: Potential) -> None:
-    """Pressures and shears times lengths sum to the forces on the slave, wherever it hangs over the master's end."""
+def shown_forces_sum_to_those_that_act(potential: Potential) -> None:
+    """Forces that are shown of slave nodes sum to those that act, wherever it hangs over the master's end."""
     view, at = _pressed(potential)
-    at = np.where(np.arange(2) == 1, np.round(at, 2), at)  # straight sides: one normal
-    m, normal = len(view.slave.nodes), np.tile([0.0, -1.0], (len(view.slave.nodes), 1))
+    m = len(view.slave.nodes)
     view = view._replace(friction=FrictionBound(0.3, 0.0, np.inf) if potential.rubs else None)
-    length, close = np.linspace(0.5, 1.5, m), ROUND_OFF * m * _scale(potential, view, at)
+    close = ROUND_OFF * m * _scale(potential, view, at)
     for beyond in np.linspace(0.0, float(np.ptp(at[:m, 0])), 12, endpoint=False):
         slid = at + np.outer(np.arange(len(at)) < m, [beyond, 0.0])
         view.start[:] = view.lagged[:] = slid
         slid[:m, 0] += 0.1 * float(view.length.min())
-        found = potential.pressures(view, slid, normal, length)
+        found = potential.nodal_forces(view, slid)
         if found is None:
-            raise NotApplicable("the core divides forces by lengths")
+            raise NotApplicable("the core shows the forces that act")
         force = -potential.gradient(view, slid)[:m]
-        agree(float(found.pressure @ length), float(force[:, 1].sum()), close, "sum of the pressures")
+        agree(found.push.sum(axis=0), force.sum(axis=0), close, "sum of the forces of the energy")
         if potential.rubs:
             rub = -potential.friction_gradient(view, slid)[:m]
-            agree(float(found.shear @ length), float(rub[:, 0].sum()), close, "sum of the shears")
+            agree(found.rub.sum(axis=0), rub.sum(axis=0), close, "sum of the forces of friction")
 
 
 def no_force_when_apart(potential: Potential) -> None:
@@ -204,7 +203,7 @@ CHECKS: tuple[Check, ...] = (
     hessian_is_the_derivative,
     forces_balance,
     patch_test,
-    pressures_sum_to_the_forces,
+    shown_forces_sum_to_those_that_act,
     rigid_motions_keep_the_energy,
     no_force_when_apart,
     steps_end_before_surfaces_meet,

@@ -55,11 +55,12 @@ class PulledStrip(Case):
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
         """The strip is a bar but near the end of slip and its loaded face."""
-        cell = 1.0 / CELLS / setup.level / self.part
+        cell, bending = 1.0 / CELLS / setup.level / self.part, "bending near both ends of slip"
+        along = "nodes tell it to a cell, shear spreads it over a height"
         return [
-            error("length that slips", 2.0 * cell + 0.02, "nodes tell it to a cell, shear spreads it over a height"),
+            error("length that slips", 2.0 * cell + 0.02, along, codes=("creep",)),
             error("way of the end", 0.03 + cell, "the height over the length that slips"),
-            error("shear over mu q where it slips, largest difference", 0.05, "bending near both ends of slip"),
+            error("shear over mu q where it slips, largest difference", 0.05, bending, codes=("creep",)),
         ]
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:

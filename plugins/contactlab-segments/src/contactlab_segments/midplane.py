@@ -18,7 +18,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from contactlab.api import Floats, Ints, Potential, PotentialView, Pressures
+from contactlab.api import Floats, Ints, NodalForces, Potential, PotentialView
 from contactlab_segments.midplane_kernels import press, rub, stiffen
 from contactlab_segments.midplane_nodes import Overlaps, assembled, gathered, overlaps, polygon
 
@@ -84,14 +84,11 @@ class Midplane(Potential):
         rise = 2.0 * bound * np.maximum(0.0, 1.0 - np.abs(slip)) / within
         return assembled(view, nodes, np.einsum("r,ri,rj->rij", rise, weight, weight))
 
-    def pressures(self, view: PotentialView, positions: Floats, normal: Floats, length: Floats) -> Pressures:
-        """Forces of the vertices of the slave's polygon over their lengths: their sums are the contact forces."""
-        m, pressed, rubbed = len(normal), self._overlaps(view, positions).derivative(), np.zeros_like(positions)
-        if view.friction is not None:
-            rubbed = self._rubbing(view, positions)
-        along = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
-        forces = ((pressed[:m] * normal).sum(axis=1), -(rubbed[:m] * along).sum(axis=1))
-        return Pressures(*(gathered(view, np.stack(forces)) / length))
+    def nodal_forces(self, view: PotentialView, positions: Floats) -> NodalForces:
+        """Forces on the vertices of the slave's polygon."""
+        pressed, m = self._overlaps(view, positions).derivative(), len(view.slave.nodes)
+        rubbed = np.zeros_like(pressed) if view.friction is None else self._rubbing(view, positions)
+        return NodalForces(*gathered(view, -np.stack([pressed[:m], rubbed[:m]])))
 
     def _overlaps(self, view: PotentialView, positions: Floats) -> Overlaps:
         m = len(view.slave.nodes)

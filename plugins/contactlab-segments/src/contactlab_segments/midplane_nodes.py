@@ -75,16 +75,17 @@ def assembled(view: PotentialView, nodes: Ints, block: Floats) -> Any:
 
 
 def gathered(view: PotentialView, forces: Floats) -> Floats:
-    """Forces (2, m) of the slave's nodes, where those beyond the edge of contact that are small are their neighbour's.
+    """Forces (2, m, 2) on the slave's nodes, of pressure and of friction: small ones beyond the edge of contact moved.
 
-    Their hats reach into the last segment that presses. Mortars, too, merge multipliers with little cover.
+    They are their neighbour's. Their hats reach into the last segment that presses. Mortars, too, merge multipliers
+    with little cover.
     """
     segments, found = view.slave.segments, forces.copy()
     here, there = np.concatenate([segments, segments[:, ::-1]]).T
-    load = forces[0]
+    load = np.hypot(*forces[0].T)
     bare = np.zeros(len(load), np.bool_)
     bare[here[load[there] <= 0.0]] = True
     small = bare[here] & (load[here] > 0.0) & (load[here] < EDGE * load[there])
-    np.add.at(found.T, there[small], forces[:, here[small]].T)
+    np.add.at(found, (slice(None), there[small]), forces[:, here[small]])
     found[:, here[small]] = 0.0
     return found
