@@ -176,7 +176,7 @@ CONTACT = (
         ("lengths of now", "(vertices @ view.reference)", "(vertices @ positions)", "midplane_nodes"),
         ("cuts all corrections", "share, most = 1.0,", "share, most = 0.5,"),
         ("both sides of an edge count as straight", "[-1 / 6, -1 / 6, 1 / 3]", "[0.0, 0.0, 0.0]", "midplane_nodes"),
-        ("forces beyond the edge of contact are lost", "np.add.at(found, (slice(None), there[small]), forces[:, here[small]])", "pass", "midplane_nodes"),
+        ("forces beyond the edge of contact are lost", "np.add.at(all_of, there[small], given[here[small]])", "pass", "midplane_nodes"),
         ("the energy of twice the overlap", "/ (6.0 * k), 0.5 * size", "/ (3.0 * k), 0.5 * size", "midplane_kernels"),
         ("forces at the other end", "begin * (2.0 * p + q) + end * (p + 2.0 * q)", "end * (2.0 * p + q) + begin * (p + 2.0 * q)", "midplane_kernels"),
         ("the mean line turns with one side", "half = 0.5 * (", "half = 1.0 * (", "midplane_kernels"),

@@ -86,6 +86,7 @@ def gathered(view: PotentialView, forces: Floats) -> Floats:
     bare = np.zeros(len(load), np.bool_)
     bare[here[load[there] <= 0.0]] = True
     small = bare[here] & (load[here] > 0.0) & (load[here] < EDGE * load[there])
-    np.add.at(found, (slice(None), there[small]), forces[:, here[small]])
+    for all_of, given in zip(found, forces, strict=True):
+        np.add.at(all_of, there[small], given[here[small]])
     found[:, here[small]] = 0.0
     return found
