@@ -59,7 +59,7 @@ class PulledStrip(Case):
         along = "nodes tell it to a cell, shear spreads it over a height"
         return [
             error("length that slips", 2.0 * cell + 0.02, along, codes=("creep",)),
-            error("way of the end", 0.03 + cell, "the height over the length that slips"),
+            error("way of the end", 0.03 + cell, "the height over the length that slips", codes=("creep",)),
             error("shear over mu q where it slips, largest difference", 0.05, bending, codes=("creep",)),
         ]
 
@@ -74,7 +74,7 @@ class PulledStrip(Case):
         end = own[np.isclose(record.nodes[own, 0], LENGTH)]
         way = float(record.displacement[end, 0].mean())
         return {
-            "length that slips": (LENGTH - float(slipping.min())) / length - 1.0,
+            "length that slips": (LENGTH - float(slipping.min(initial=LENGTH))) / length - 1.0,
             "way of the end": way / (0.5 * self.mu * PRESSURE * length**2 / (YOUNG * HEIGHT)) - 1.0,
             "shear over mu q where it slips, largest difference": float(
                 np.abs(np.abs(shear[inner]) / (self.mu * PRESSURE) - 1.0).max()
