@@ -17,6 +17,7 @@ from contactlab.kernels.contact.factored_rows import FAR
 
 STEP = 1e-6  # of a segment: differences of gradients
 LAGGED = 1e-8  # of the largest force: friction forces that change less by newer normal forces are those of the end
+STALLED = 1e-4  # of it: so are those that change less, if newer normal forces no longer halve the change
 
 
 class Opened(StartGaps):
@@ -48,6 +49,7 @@ class PotentialPair(GapPair):
     view       what the potential sees; `start` and `lagged` are filled anew
     at_nodes   (n, 2) [mm] positions of the last `evaluate`
     pushed     (n, 2) [N] gradient there; rubbed: the same of friction, None without
+    change     [N] of friction by the last normal forces that were newer
     kept       (n, 2) [N] that of friction at the end of the last step, part of the state
     slipped    (m,) [mm] slip of the slave's nodes in the last step, with friction
     """
@@ -79,6 +81,7 @@ class PotentialPair(GapPair):
         self.view = PotentialView(*sides, edges, at, length, modulus, stiffness, at.copy(), at.copy(), bound)
         self.position, self.at_nodes, self.pushed = reference, at.copy(), np.zeros_like(at)
         self.rubbed: Floats | None = None
+        self.change = np.inf
         self.kept, self.slipped = np.zeros_like(at), np.zeros(len(self.slave.nodes))
         self.clearance = float(potential.clearance(self.view))
 
@@ -91,7 +94,7 @@ class PotentialPair(GapPair):
     def begin_step(self, position: Floats) -> None:
         """A step starts at `position` (N, 2)."""
         self.view.start[:] = self.view.lagged[:] = position[self.nodes]
-        self.evaluated = False
+        self.evaluated, self.change = False, np.inf
 
     def evaluate(self, position: Floats) -> None:
         """Forces at trial positions (N, 2)."""
@@ -155,7 +158,9 @@ class PotentialPair(GapPair):
         self.view.lagged[:] = self.at_nodes
         now = self._friction()
         change, largest = np.abs(now - before).max(initial=0.0), np.abs(self.pushed).max(initial=0.0)
-        if change <= LAGGED * largest:
+        stalled = change <= STALLED * largest and change > 0.5 * self.change
+        self.change = change
+        if stalled or change <= LAGGED * largest:
             self.view.lagged[:] = lagged
             return False
         self.rubbed = now

@@ -294,7 +294,7 @@ def _promised(pair: ContactPair, report: ContactReport) -> tuple[float, str]:
     if np.any(np.isnan(curve.gap) & (curve.pressure != 0.0)) or _differs(report):
         return max(PARTLY, turn), "multipliers of segments that are covered in part are shown on whole ones"
     if pair.by_energy or not pair.method.passes_patch_test:
-        return max(SPREAD + angle, turn), "forces of nodes act along the normals of the master or of both, at corners, too"
+        return max(SPREAD + angle, turn), "nodal forces act along normals of the master, or of both, at corners, too"
     return turn, "of the same multipliers, along normals that differ by a segment's turn"
 
 
