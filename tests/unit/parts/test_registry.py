@@ -189,7 +189,7 @@ def test_parts_command_names_what_is_broken(
     half += "@dataclass(frozen=True)\nclass Law(FrictionLaw):\n    pass\n"
     install("half-plugin", half + offers("Part('friction', 'half', 'half_plugin:Law', 's')"))
     assert main(["parts"]) == 0
-    shown = capsys.readouterr().out
+    shown = " ".join(capsys.readouterr().out.split())
     assert "no_such_module" in shown
     assert "it has no bound" in shown
     assert main(["parts", "--json"]) == 0
