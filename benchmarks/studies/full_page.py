@@ -33,7 +33,7 @@ ORDER = ("silent", "failed", "missed", "not-judged", "ill-posed", "met")
 HEAD = """# The full matrix
 
 Written by `make pages` from the archive of `contactlab matrix --full`: {cells} cells that apply
-(cases with all their variants, either slave, all their elements and integrators, three algorithms) in {minutes:.0f}
+(cases with all their variants, either slave, all their elements and integrators, all contact methods) in {minutes:.0f}
 CPU minutes{others}. {counts}{missing}
 
 [Cases against algorithms](matrix.md) explains the verdicts. The numbers of the quick matrix are in
