@@ -10,7 +10,6 @@ import pytest
 from contactlab_segments.midplane import Midplane
 
 from contactlab.api import Floats, NodalForces, Potential, PotentialView
-from contactlab.parts.contract import faults
 from contactlab.testing import Expected, NotApplicable, potential
 from contactlab.testing.assertions import Check
 
@@ -143,10 +142,3 @@ def test_a_potential_that_fails_the_patch_test_may_say_so() -> None:
     part: Potential = said(flaw="stronger to the right")
     with pytest.raises((NotApplicable, Expected)):
         potential.patch_test(part)
-
-
-def test_a_method_by_its_earlier_name_is_refused_with_the_line_to_change() -> None:
-    older = type("Older", (Midplane,), {"pressures": lambda self, view, positions, normal, length: None})
-    (found,) = faults("contact", dataclass(frozen=True)(older))
-    assert "call it nodal_forces" in found
-    assert faults("contact", Midplane) == []

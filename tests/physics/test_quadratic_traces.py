@@ -97,7 +97,7 @@ def test_multipliers_at_the_ends_of_edges(algorithm: str) -> None:
     assert pair.cover[ends] == pytest.approx([0.5, 0.5], abs=1e-14)
     middle = pair.between[0]
     assert pair.coupling.full[ends] == pytest.approx([0.5, 0.5], abs=1e-14)
-    assert pair.coupling.kept == 2
+    assert len(pair.coupling.order) == 2
     assert pair.coupling.owner[middle].tolist() == [-1]
     assert pair.coupling.full[middle].tolist() == [0.0]
 

@@ -43,7 +43,7 @@ from contactlab.api.motion import ImplicitMotion, Motion
 from contactlab.api.normal_law import NormalLaw
 from contactlab.api.part import CONTRACT_VERSION, KINDS, Kind, Part
 from contactlab.api.point_contact import PointContact
-from contactlab.api.potential import NodalForces, Potential, PotentialView
+from contactlab.api.potential import NodalForces, Potential, PotentialView, Pressures
 from contactlab.api.profile import Profile
 from contactlab.api.record import Record
 from contactlab.api.recorder import Recorder, Recording
@@ -130,6 +130,7 @@ __all__ = [
     "Potential",
     "PotentialView",
     "PrescribedMotion",
+    "Pressures",
     "Profile",
     "Quadrature",
     "Record",

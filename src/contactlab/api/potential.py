@@ -53,6 +53,16 @@ class NodalForces(NamedTuple):
     rub: Floats
 
 
+class Pressures(NamedTuple):
+    """Stresses on slave nodes, (m,) [MPa] each, over the tributary lengths of the deformed surface.
+
+    Their integrals are the contact forces. Shear is positive along the slave's direction.
+    """
+
+    pressure: Floats
+    shear: Floats
+
+
 class Potential(ContactMethod):
     """Gives an energy of node positions. Subclasses are frozen dataclasses; their fields are the TOML keys.
 
@@ -110,6 +120,16 @@ class Potential(ContactMethod):
     def nodal_forces(self, view: PotentialView, positions: Floats) -> NodalForces | None:
         """Forces that tables, curves and errors show at accepted positions, divided by tributary lengths.
 
-        By default None: minus the gradients.
+        By default None: those of `pressures`.
+        """
+        return None
+
+    def pressures(self, view: PotentialView, positions: Floats, normal: Floats, length: Floats) -> Pressures | None:
+        """Stresses in place of `nodal_forces`, along nodal normals.
+
+        By default None: the forces that act, minus the gradients, over lengths.
+
+        normal  (m, 2) outward unit normals of the slave, averaged at nodes
+        length  (m,) [mm] tributary lengths
         """
         return None

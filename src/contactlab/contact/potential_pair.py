@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 from scipy.sparse import coo_array
 
-from contactlab.api import Floats, FrictionLaw, Ints, Potential, PotentialView, Surface
+from contactlab.api import Floats, FrictionLaw, Ints, NodalForces, Potential, PotentialView, Surface
 from contactlab.api.compiled.chains import nodal_normals, segment_normals
 from contactlab.contact.closest import ClosestPoints
 from contactlab.contact.gap_pair import GapPair
@@ -200,9 +200,7 @@ class PotentialPair(GapPair):
         across, lengths, normal = np.zeros((len(segments), 2)), np.zeros(len(segments)), np.zeros((m, 2))
         segment_normals(self.at.slave, segments, across, lengths)
         nodal_normals(self.slave.node_segments, across, lengths, normal)
-        shown = self.potential.nodal_forces(self.view, self.at_nodes)
-        rubbed = self.rubbed if self.rubbed is not None else np.zeros_like(self.pushed)
-        push, rub = shown if shown is not None else (-self.pushed[:m], -rubbed[:m])
+        push, rub = self._shown(normal)
         pressed = (push * normal).sum(axis=1) < 0.0
         # nodes are pushed along their forces, so that these sum up to what acts
         size = np.where(pressed, np.hypot(*push.T), 1.0)
@@ -214,6 +212,16 @@ class PotentialPair(GapPair):
         multipliers[0, own] = np.where(held, size, 0.0)
         if self.friction is not None:
             multipliers[1, own] = np.where(held, (rub * along).sum(axis=1), 0.0)
+
+    def _shown(self, normal: Floats) -> NodalForces:
+        m = len(normal)
+        if (forces := self.potential.nodal_forces(self.view, self.at_nodes)) is not None:
+            return forces
+        stresses = self.potential.pressures(self.view, self.at_nodes, normal, self.full[:m])
+        if stresses is None:
+            return NodalForces(-self.pushed[:m], -self.rubbed[:m] if self.rubbed is not None else np.zeros((m, 2)))
+        push, rub = (np.stack(stresses) * self.full[:m])[:, :, None]
+        return NodalForces(-push * normal, rub * np.stack([-normal[:, 1], normal[:, 0]], axis=1))
 
 
 def differences(gradient: Any, view: PotentialView, at: Floats, step: float) -> Floats:

@@ -74,18 +74,8 @@ def _faults(kind: str, target: object) -> list[str]:
     return [
         *_missing_methods(target), *_missing_attributes(target),
         *(wrong_values(target) or _memory_without_use(target) or _other_arguments(target)),
-        *_moved(target), *_misspelt(target), *_not_a_record(target),
+        *_misspelt(target), *_not_a_record(target),
     ]  # fmt: skip
-
-
-def _moved(target: type) -> list[str]:
-    """Methods that had another name earlier in this version of the contract."""
-    if issubclass(target, Potential) and "pressures" in _own_names(target):
-        return [
-            "its pressures is not called; to change: call it nodal_forces(view, positions), and give NodalForces(push, "
-            "rub), forces (m, 2) [N] on the slave's nodes, in place of stresses"
-        ]
-    return []
 
 
 def _missing_methods(target: type) -> list[str]:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_array
 
-from contactlab.api import Floats, Potential, PotentialView
+from contactlab.api import Floats, NodalForces, Potential, PotentialView, Pressures
 from contactlab.api.plugin import Part, hookimpl
 from contactlab.errors import RequestError
 from contactlab.model.build import build
@@ -24,12 +24,14 @@ from contactlab.scene.scene import Scene
 class Springs(Potential):
     """Springs between slave nodes and a master that runs along x; differences give their second derivatives.
 
-    k     [MPa/mm] pressure per overlap
-    hand  whether the Hessian is given by hand
+    k      [MPa/mm] pressure per overlap
+    hand   whether the Hessian is given by hand
+    shows  what is shown of its slave: the forces that act, or the same by `nodal_forces` or by `pressures`
     """
 
     k: float = 500.0
     hand: bool = True
+    shows: str = "what acts"
 
     passes_patch_test: ClassVar[bool] = False
     rubs: ClassVar[bool] = True
@@ -78,6 +80,19 @@ class Springs(Potential):
         force = view.friction.coefficient * self.k * view.length[: len(over)] * over
         out[: len(over), 0] = force * np.tanh(slip / 1e-6)
         return out
+
+    def nodal_forces(self, view: PotentialView, positions: Floats) -> NodalForces | None:
+        if self.shows != "forces":
+            return None
+        m = len(view.slave.nodes)
+        return NodalForces(-self.gradient(view, positions)[:m], -self.friction_gradient(view, positions)[:m])
+
+    def pressures(self, view: PotentialView, positions: Floats, normal: Floats, length: Floats) -> Pressures | None:
+        if self.shows != "stresses":
+            return None
+        m, along = len(length), np.stack([-normal[:, 1], normal[:, 0]], axis=1)
+        push, rub = self.gradient(view, positions)[:m], self.friction_gradient(view, positions)[:m]
+        return Pressures((push * normal).sum(axis=1) / length, -(rub * along).sum(axis=1) / length)
 
 
 @hookimpl
@@ -141,10 +156,12 @@ def test_pressed_blocks_agree_with_springs_in_series(registry: Registry) -> None
         np.testing.assert_allclose(resultant, [0.0, pressure * WIDTH], rtol=1e-7, atol=1e-9)
 
 
-def test_friction_bears_its_share_of_the_pressure_of_the_end(registry: Registry) -> None:
+@pytest.mark.parametrize("shows", ["what acts", "forces", "stresses"])
+def test_friction_bears_its_share_of_the_pressure_of_the_end(registry: Registry, shows: str) -> None:
     """A slave pushed sideways slides: shear is mu times the pressure of the end of the step, and is dissipated."""
     mu, side = 0.2, 1e-4  # far above the slip over which friction grows, far below a cell: nodes stay on nodes
     changes = {
+        "contacts.0.algorithm": {"use": "springs", "shows": shows},
         "contacts.0.friction": {"use": "coulomb", "mu": mu},
         "supports.2.ux": {"ramp": "linear", "to": side},
         "time.history": True,
