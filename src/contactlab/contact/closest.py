@@ -75,12 +75,8 @@ def first_crossing(at: Floats, one: Surface, other: Surface) -> Floats | None:
 
 def crossing(at: Floats, segments: Ints, others: Ints) -> Floats | None:
     """The place (2,) where one of the segments (s, 2) and one of the others go through each other; None without one."""
-    near = near_segments(at, segments, at, others, 0.0)
-    (a, b), (c, d) = (
-        at[np.repeat(segments, np.diff(near.start), axis=0)].swapaxes(0, 1),
-        at[others[near.master]].swapaxes(0, 1),
-    )
-    sides = [_cross(b - a, c - a), _cross(b - a, d - a), _cross(d - c, a - c), _cross(d - c, b - c)]
+    (a, b), (c, d) = (at[ends].swapaxes(0, 1) for ends in close_pairs(at, segments, others))
+    sides = [cross(b - a, c - a), cross(b - a, d - a), cross(d - c, a - c), cross(d - c, b - c)]
     crossed = np.flatnonzero((sides[0] * sides[1] < 0.0) & (sides[2] * sides[3] < 0.0))
     if not len(crossed):
         return None
@@ -89,7 +85,14 @@ def crossing(at: Floats, segments: Ints, others: Ints) -> Floats | None:
     return np.asarray(a[k] + share * (b[k] - a[k]))
 
 
-def _cross(u: Floats, v: Floats) -> Floats:
+def close_pairs(at: Floats, segments: Ints, others: Ints) -> tuple[Ints, Ints]:
+    """Segments and others (k, 2), one of each in a row, whose boxes meet at positions (N, 2)."""
+    near = near_segments(at, segments, at, others, 0.0)
+    return np.repeat(segments, np.diff(near.start), axis=0), others[near.master]
+
+
+def cross(u: Floats, v: Floats) -> Floats:
+    """Component (k,) out of the plane of the cross products of vectors (k, 2)."""
     return np.asarray(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
 
 

@@ -25,11 +25,12 @@ Mask = NDArray[np.bool_]
 
 def overlap_detectors(scene: Scene, model: Model) -> Detectors:
     """One detector for all pairs of bodies, each body with itself as well, and one for each rigid surface."""
-    yield Overlap(scene, model)
+    overlap = Overlap(scene, model)
+    yield overlap
     if scene.rigid:
         from contactlab.missing_effects.rigid_passage import rigid_passages
 
-        yield from rigid_passages(scene, model)
+        yield from rigid_passages(scene, model, np.concatenate([outline.segments for outline in overlap.outlines]))
 
 
 class Overlap:

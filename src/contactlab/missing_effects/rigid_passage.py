@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactlab.api import Floats, Ints, RunWarning
+from contactlab.api import Ints, RunWarning
+from contactlab.contact.closest import close_pairs, cross
 from contactlab.contact.pair import ContactPair
-from contactlab.kernels.contact.search import near_segments
-from contactlab.meshing.mesh import outer_edges
 from contactlab.missing_effects.missing_effect import Detectors, needed
 from contactlab.missing_effects.overlap import DEPTH, body_of, edge_set
 from contactlab.model.model import Model
@@ -19,23 +18,22 @@ if TYPE_CHECKING:
     from contactlab.scene.scene import Scene
 
 
-def rigid_passages(scene: Scene, model: Model) -> Detectors:
-    """One detector for each rigid surface."""
+def rigid_passages(scene: Scene, model: Model, edges: Ints) -> Detectors:
+    """One detector for each rigid surface; `edges` (e, 2) are those of all outlines."""
     pairs = model.contact.pairs if model.contact is not None else ()
     joined: dict[str, list[ContactPair]] = {}
     for pair, spec in zip(pairs, scene.contacts, strict=True):
         if spec.sides[1] in scene.rigid:
             joined.setdefault(spec.sides[1], []).append(pair)
-    yield from (Passage(scene, model, name, pairs) for name, pairs in joined.items())
+    yield from (Passage(scene, model, edges, name, pairs) for name, pairs in joined.items())
 
 
 class Passage:
     """`worst`: the end behind a rigid surface of the first edge that crosses it without a contact to it; else -1."""
 
-    def __init__(self, scene: Scene, model: Model, name: str, pairs: Sequence[ContactPair]) -> None:
+    def __init__(self, scene: Scene, model: Model, edges: Ints, name: str, pairs: Sequence[ContactPair]) -> None:
         self.scene, self.model, self.name, self.worst = scene, model, name, np.full(1, -1.0)
         self.surface = pairs[0].master.nodes[pairs[0].master.segments]
-        edges = np.concatenate([outer_edges(body.cells, body.element) for body in model.bodies])
         slave = np.concatenate([pair.slave.nodes for pair in pairs])
         self.edges: Ints = edges[~np.isin(edges, slave).any(axis=1)]
 
@@ -44,12 +42,11 @@ class Passage:
         if self.worst[0] >= 0.0 or not len(self.edges):
             return
         at = self.model.position
-        near = near_segments(at, self.edges, at, self.surface, 0.0)
-        edge = np.repeat(self.edges, np.diff(near.start), axis=0)
-        (a, b), (c, d) = at[edge].swapaxes(0, 1), at[self.surface[near.master]].swapaxes(0, 1)
+        edge, segment = close_pairs(at, self.edges, self.surface)
+        (a, b), (c, d) = at[edge].swapaxes(0, 1), at[segment].swapaxes(0, 1)
         along = (d - c) / np.hypot(*(d - c).T)[:, None]
-        height = np.stack([_cross(a - c, along), _cross(b - c, along)], axis=1)
-        crossed = (height.prod(axis=1) <= 0.0) & (_cross(c - a, b - a) * _cross(d - a, b - a) <= 0.0)
+        height = np.stack([cross(a - c, along), cross(b - c, along)], axis=1)
+        crossed = (height.prod(axis=1) <= 0.0) & (cross(c - a, b - a) * cross(d - a, b - a) <= 0.0)
         found = np.flatnonzero(crossed & (height.min(axis=1) < -DEPTH * np.hypot(*(b - a).T)))
         if len(found):
             self.worst[0] = edge[found[0], height[found[0]].argmin()]
@@ -70,7 +67,3 @@ class Passage:
             "which no contact joins to it",
             f'add [[contacts]] with slave = "{edge_set(body, node)}" and master = "{self.name}"',
         )
-
-
-def _cross(u: Floats, v: Floats) -> Floats:
-    return np.asarray(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])

@@ -268,7 +268,8 @@ class Rigid:
             raise ValueError("a rigid surface is either a line or an arc: write one of them")
         if self.line is not None and (len(self.line) < 2 or any(a == b for a, b in pairwise(self.line))):
             raise ValueError(f"line: got {self.line}, allowed: at least two points, none twice in a row")
-        for a, b, c in zip(self.line or (), (self.line or ())[1:], (self.line or ())[2:], strict=False):
+        line = self.line or ()
+        for a, b, c in zip(line, line[1:], line[2:], strict=False):
             (x, y), (u, v) = (b[0] - a[0], b[1] - a[1]), (c[0] - b[0], c[1] - b[1])
             if x * v == y * u and x * u + y * v < 0.0:
                 raise ValueError(

@@ -148,14 +148,18 @@ def load_scene(
     data, lines = read_toml(path, shown)
     data.setdefault("name", path.stem)
     origin = Location(shown, lines=lines, folder=str(path.parent.resolve()))
-    changes = dict(changes or {})
+    try:
+        return _loaded(data, dict(changes or {}), origin, registry)
+    except PartError as error:
+        error.hint = _brought(path.parent / "summary.json", error.got) or error.hint
+        raise
+
+
+def _loaded(data: Mapping[str, Any], changes: dict[str, Any], origin: Location, registry: Registry) -> Scene:
     try:
         scene = Scene.from_data(data, origin, registry)
-    except PartError as error:
+    except PartError:  # which a change may put another part in the place of
         named = {key: changes.pop(key) for key in list(changes) if _is_part(key.removesuffix(".use"))}
-        if not named:
-            error.hint = _brought(path.parent / "summary.json", error.got) or error.hint
-            raise
         scene = Scene._with(data, named, origin, registry)
     return scene.with_(changes) if changes else scene
 
