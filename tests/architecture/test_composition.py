@@ -136,7 +136,7 @@ def happened(scene: Scene, arrays: bool = True, plugins: str = "") -> dict[str, 
     return dict(found)
 
 
-ALWAYS = {"bare", "loaded", "rate and quadratic", "static"}
+ALWAYS = {"loaded", "static"}
 
 
 @pytest.mark.parametrize("name", some(CASES, ALWAYS))

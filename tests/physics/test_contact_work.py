@@ -43,7 +43,7 @@ def stepped(name: str, forces: str, algorithm: str, changes: dict[str, Any], ste
 @pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1", "node-on-segment"])
 @pytest.mark.parametrize("changes", [{}, FRICTION], ids=["frictionless", "friction"])
 def test_parts_add_up_to_the_work_of_contact(forces: str, algorithm: str, changes: dict[str, Any]) -> None:
-    stepped("disc-on-block", forces, algorithm, {**FAST, **changes}, 250)
+    stepped("disc-on-block", forces, algorithm, {**FAST, **changes}, 120)
 
 
 def test_forces_of_changing_weights_are_what_a_finer_master_makes_energy_by() -> None:

@@ -230,7 +230,7 @@ def test_load_increments_follow_a_sine() -> None:
 
     Beside it the work of a rigid block on each way, mu N times twice the amplitude, of which shear takes some.
     """
-    found, fine = (simulate(dragged(0.1, use, 0.2)) for use in ("newton", {"use": "newton", "steps": 250}))
+    found, fine = (simulate(dragged(0.1, use, 0.2)) for use in ("newton", {"use": "newton", "steps": 150}))
     assert friction_work(found) == pytest.approx(friction_work(fine), rel=0.05)
     assert found.summary["steps"] < 100
     assert "coarse-steps" not in codes(found)

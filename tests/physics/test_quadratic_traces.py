@@ -168,7 +168,7 @@ def test_shear_that_sticks_has_no_saw(algorithm: str, swap: bool) -> None:
     scene = load_scene("disc-on-block").with_(
         {
             "contacts.0.algorithm": algorithm, "contacts.0.swap": swap, "contacts.0.friction": COULOMB,
-            "integrator": {"use": "newton", "steps": 20}, "record.frames": 1,
+            "integrator": {"use": "newton", "steps": 10}, "record.frames": 1,
         }
     )  # fmt: skip
     curves = []

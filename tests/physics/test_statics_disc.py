@@ -112,8 +112,8 @@ def test_results_do_not_depend_on_the_scale_of_the_contact_stiffness(algorithm: 
     + [("mortar-p0", False, 2), ("mortar-p1", True, 2)],
 )
 def test_coulomb_friction_does_not_depend_on_the_number_of_load_steps(algorithm: str, swap: bool, level: int) -> None:
-    """Deep with mu = 0.2: 10, 20 and 40 steps agree within 0.1 %, on finer cells 10 and 40."""
-    counts = (10, 20, 40) if level == 1 else (10, 40)
+    """Deep with mu = 0.2: 10 and 40 steps agree within 0.1 %."""
+    counts = (10, 40)
     friction = {"contacts.0.friction": {"use": "coulomb", "mu": 0.2}}
     found = [disc(algorithm, swap, depth=0.1581, steps=steps, level=level, **friction) for steps in counts]
     assert all(results.status == "finished" for results in found)

@@ -98,6 +98,7 @@ def test_a_run_over_its_time_is_a_row_and_can_go_on(
     assert again["steps"] > row["steps"]
 
 
+@pytest.mark.full
 def test_first_ctrl_c_says_what_it_waits_for_and_the_second_ends_all(
     comparison: Callable[..., subprocess.Popen[str]], tmp_path: Path
 ) -> None:

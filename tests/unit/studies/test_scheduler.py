@@ -150,6 +150,7 @@ def test_what_has_not_begun_is_dropped_after_a_stop(cluster: Cluster) -> None:
     assert sum(isinstance(end, ProcessDiedError) for end in ends) == 2
 
 
+@pytest.mark.full
 @pytest.mark.usefixtures("fake_runs")
 def test_rows_are_the_same_whoever_ran_them(cluster: Cluster, tmp_path: Path) -> None:
     vary = {"level": [1, 9], "contacts.0.algorithm": ["node-on-segment", "mortar-p0"]}
