@@ -23,8 +23,9 @@ def rigid_passages(scene: Scene, model: Model, edges: Ints) -> Detectors:
     pairs = model.contact.pairs if model.contact is not None else ()
     joined: dict[str, list[ContactPair]] = {}
     for pair, spec in zip(pairs, scene.contacts, strict=True):
-        if spec.sides[1] in scene.rigid:
-            joined.setdefault(spec.sides[1], []).append(pair)
+        for name in spec.targets[1]:
+            if name in scene.rigid:
+                joined.setdefault(name, []).append(pair)
     yield from (Passage(scene, model, edges, name, pairs) for name, pairs in joined.items())
 
 
@@ -33,7 +34,10 @@ class Passage:
 
     def __init__(self, scene: Scene, model: Model, edges: Ints, name: str, pairs: Sequence[ContactPair]) -> None:
         self.scene, self.model, self.name, self.worst = scene, model, name, np.full(1, -1.0)
-        self.surface = pairs[0].master.nodes[pairs[0].master.segments]
+        own = next(support.nodes for support in model.loading.supports if support.on == name)
+        segments = pairs[0].master.nodes[pairs[0].master.segments]
+        self.surface: Ints = segments[np.isin(segments, own).all(axis=1)]
+        self.ends: Ints = np.setxor1d(*self.surface.T)
         slave = np.concatenate([pair.slave.nodes for pair in pairs])
         self.edges: Ints = edges[~np.isin(edges, slave).any(axis=1)]
 
@@ -46,8 +50,12 @@ class Passage:
         (a, b), (c, d) = at[edge].swapaxes(0, 1), at[segment].swapaxes(0, 1)
         along = (d - c) / np.hypot(*(d - c).T)[:, None]
         height = np.stack([cross(a - c, along), cross(b - c, along)], axis=1)
-        crossed = (height.prod(axis=1) <= 0.0) & (cross(c - a, b - a) * cross(d - a, b - a) <= 0.0)
-        found = np.flatnonzero(crossed & (height.min(axis=1) < -DEPTH * np.hypot(*(b - a).T)))
+        first, last, long = cross(c - a, b - a), cross(d - a, b - a), np.hypot(*(b - a).T)
+        crossed = (height.prod(axis=1) <= 0.0) & (first * last <= 0.0)
+        # beside the end of a chain: distances of its first and last points from the edge
+        beside = np.abs([first, last]) < DEPTH * long**2
+        crossed &= ~(np.isin(segment, self.ends) & beside.T).any(axis=1)
+        found = np.flatnonzero(crossed & (height.min(axis=1) < -DEPTH * long))
         if len(found):
             self.worst[0] = edge[found[0], height[found[0]].argmin()]
 

@@ -269,5 +269,22 @@ def test_a_rigid_surface_is_passed_where_no_contact_holds_a_body(depth: float, n
         return x - np.where(np.arange(len(x)) < 16, depth, 0.0)[:, None] * [0.0, 1.0]
 
     assert ("contact" in codes_of(scene, lowered)) is named
+    scene["rigid"]["wall"] = {"line": [[-20.0, 0.0], [-20.0, 5.0]]}
+    scene["contacts"][0]["master"] = ["wall", "floor"]
+    assert ("contact" in codes_of(scene, lowered)) is named
     scene["contacts"][0]["slave"] = ["low.left", "low.bottom"]
     assert "contact" not in codes_of(scene, lowered)
+
+
+@pytest.mark.parametrize(("beyond", "named"), [(0.0, False), (0.1, True)])
+def test_a_body_flush_with_the_end_of_a_rigid_surface_does_not_pass_it(beyond: float, named: bool) -> None:
+    """The right side of a body begins where a floor for another one does; moved to the right it is cut by the floor."""
+    scene = block({"use": "neo-hookean", **ELASTIC})
+    scene["bodies"]["high"] = body((1.0, 2.0), (3, 3), (1.0, 2.0))
+    scene["rigid"] = {"floor": {"line": [[9.0, 1.0], [1.0, 1.0]]}}
+    scene["contacts"] = [{"slave": "high.bottom", "master": "floor", "algorithm": "mortar-p0"}]
+
+    def moved(x: Any) -> Any:
+        return x + np.where(np.arange(len(x)) < 16, beyond, 0.0)[:, None] * [1.0, 1.0]
+
+    assert ("contact" in codes_of(scene, moved)) is named

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 DEEP = 0.1  # segment lengths that a curved surface may cut into another without any overlap of the true shapes
 FACING = 64  # slave segments, from all over the surface, that are held against all of the master at a time
 ROUND = 1e-9  # relative
+ALIKE = 0.5  # cosine of the angle between normals of sides that look the same way
 TOO_DEEP = 1.0  # segment lengths beyond which no treatment of an overlap is tried
 
 
@@ -67,35 +69,78 @@ def _most_ahead(slave: tuple[Floats, Floats], master: tuple[Floats, Floats], eno
     return most
 
 
-def check_solid_side(slave: Surface, master: Surface, positions: Floats, sides: tuple[str, str], where: Where) -> None:
-    """Raise SceneError where all of the slave lies in the solid of a rigid surface: its points run the wrong way."""
-    some = slave.nodes[:: max(1, len(slave.nodes) // FACING)]
-    for nodes in (some, slave.nodes):
-        height = _heights(positions[nodes], positions[master.nodes[master.segments]])
-        if height.max() > ROUND * np.abs(height).max() or height.min() > -TOO_DEEP * _longest(slave, master, positions):
-            return
-    raise SceneError(
-        f"all of {sides[0]} lies in the solid of the rigid surface {sides[1]}",
-        where=where,
-        got=f"nodes up to {-height.min():.4g} mm behind it, none in front",
-        allowed="a rigid surface whose solid is on its left, as one goes along its points",
-        hint=f"write the points of rigid.{sides[1]} in the reverse order, or the angles of its arc",
-    )
+def check_solid_side(
+    slave: Surface, rigid: Mapping[str, Floats], masters: tuple[str, ...], positions: Floats, side: str, where: Where
+) -> None:
+    """Raise SceneError where all of the slave lies in the solid of a rigid surface: its points run the wrong way.
+
+    rigid  (s, 2, 2) [mm] ends of the segments of each rigid surface of the scene, of which some are `masters`
+    """
+    for name in masters:
+        if name in rigid and (depth := _depth_behind(slave, name, rigid, positions)) is not None:
+            raise SceneError(
+                f"all of {side} lies in the solid of the rigid surface {name}",
+                where=where,
+                got=f"nodes up to {depth:.4g} mm behind it, none in front",
+                allowed="a rigid surface whose solid is on its left, as one goes along its points",
+                hint=f"write the points of rigid.{name} in the reverse order, or the angles of its arc",
+            )
 
 
-def _heights(points: Floats, segments: Floats) -> Floats:
-    """Height [mm] of each point over the nearest of the segments (s, 2, 2), below zero on its left."""
+def _depth_behind(slave: Surface, name: str, rigid: Mapping[str, Floats], positions: Floats) -> float | None:
+    """How deep [mm] a slave lies in the solid of a surface, None where some of it lies in front or may overlap.
+
+    What lies in front of other faces of the same solid, or on them, counts as neither. Less than a segment is an
+    overlap, unless the nearest segment looks the same way as the surface.
+    """
+    line = rigid[name]
+    others = np.concatenate([np.zeros((0, 2, 2)), *(rigid[other] for other in rigid if other != name)])
+    ends, (middle, outward) = positions[slave.nodes[slave.segments]], _middles(slave, positions)
+    points = positions[slave.nodes]
+    for some in (points[:: max(1, len(points) // FACING)], points, middle):
+        height, feet, normals = _heights(some, line)
+        counts = ~_behind_others(some, feet, others)
+        if not counts.any() or height[counts].max() > ROUND * np.abs(height).max():
+            return None
+        if some is points:
+            deepest = abs(float(height[counts].min()))
+    nearest = np.flatnonzero(counts)[height[counts].argmax()]
+    longest = max(float(np.hypot(*(one[:, 1] - one[:, 0]).T).max()) for one in (ends, line))
+    turned = float(outward[nearest] @ normals[nearest]) > ALIKE
+    return deepest if turned or deepest > TOO_DEEP * longest else None
+
+
+def _behind_others(points: Floats, nearest: Floats, segments: Floats) -> Flags:
+    """Whether the way from each point to its nearest place (n, 2) enters the solid of one of the segments (s, 2, 2)."""
+    a, along = segments[:, 0], segments[:, 1] - segments[:, 0]
+    outward = np.stack([along[:, 1], -along[:, 0]], axis=1)
+    before, after = (np.einsum("nsi,si->ns", at[:, None] - a, outward) for at in (points, nearest))
+    size = (along**2).sum(axis=1)
+    enters = (before >= -ROUND * size) & (after <= ROUND * size)
+    share = np.divide(before, before - after, out=np.zeros_like(before), where=enters & (before > after))
+    at = points[:, None] + share[..., None] * (nearest - points)[:, None]
+    place = np.einsum("nsi,si->ns", at - a, along) / size
+    return np.asarray((enters & (np.abs(place - 0.5) <= 0.5 + ROUND)).any(axis=1))
+
+
+def _heights(points: Floats, segments: Floats) -> tuple[Floats, Floats, Floats]:
+    """Height [mm] of each point over the nearest of the segments (s, 2, 2), below zero on its left.
+
+    With the nearest places (n, 2) [mm], and the segments' outward normals (n, 2) there.
+    """
     a, along = segments[:, 0], segments[:, 1] - segments[:, 0]
     length = np.hypot(*along.T)
-    out = np.empty(len(points))
+    out, feet, normals = np.empty(len(points)), np.empty((len(points), 2)), np.empty((len(points), 2))
+    outward = np.stack([along[:, 1], -along[:, 0]], axis=1) / length[:, None]
     for number, point in enumerate(points):
         share = np.clip(((point - a) * along).sum(axis=1) / length**2, 0.0, 1.0)
         apart = point - a - share[:, None] * along
         distance = np.hypot(*apart.T)
         height = (apart[:, 0] * along[:, 1] - apart[:, 1] * along[:, 0]) / length
-        nearest = distance <= distance.min() * (1.0 + ROUND)  # two beside a vertex: the one that sees the point best
-        out[number] = max(height[nearest], key=abs)
-    return out
+        nearest = np.flatnonzero(distance <= distance.min() * (1.0 + ROUND))
+        best = nearest[np.abs(height[nearest]).argmax()]  # two beside a vertex: the one that sees the point best
+        out[number], feet[number], normals[number] = height[best], point - apart[best], outward[best]
+    return out, feet, normals
 
 
 class JoinedStretches:

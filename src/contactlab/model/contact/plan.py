@@ -114,11 +114,12 @@ def plan_contacts(
     positions = positions_of(bodies, rigid)
     plans: list[ContactPlan] = []
     joined = JoinedStretches()
+    chains = {surface.name: surface_from_edges(surface.edges) for surface in rigid}
+    stiff = {name: positions[chain.nodes[chain.segments]] for name, chain in chains.items()}
     for number, spec in enumerate(scene.contacts):
         where = scene.where(f"contacts.{number}")
         plan = _plan(f"contacts.{number}", spec, where, registry, bodies, rigid, integrator, positions)
-        if plan.sides[1] in scene.rigid:
-            check_solid_side(plan.slave, plan.master, positions, plan.sides, where)
+        check_solid_side(plan.slave, stiff, spec.targets[1], positions, plan.sides[0], where)
         check_facing(plan.slave, plan.master, positions, plan.sides, where)
         joined.add(plan, where)
         plans.append(plan)

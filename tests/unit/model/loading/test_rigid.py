@@ -79,6 +79,38 @@ def test_points_that_run_the_wrong_way_are_told(make, line: list) -> None:
     assert make(contacts=[contact], rigid={"tool": {"line": line[::-1]}}).contact is not None
 
 
+BOX = {
+    "top": [[4.0, 0.0], [-2.0, 0.0]], "left": [[-2.0, 0.0], [-2.0, -2.0]],
+    "under": [[-2.0, -2.0], [4.0, -2.0]], "right": [[4.0, -2.0], [4.0, 0.0]],
+}  # fmt: skip
+"""A solid below the block, which stands on its top and lies in the solid of each other face by itself."""
+
+
+@pytest.mark.parametrize("lower", [0.0, 0.2, 3.0])
+@pytest.mark.parametrize("reversed_", [(), ("top",), tuple(BOX)])
+def test_each_surface_of_a_list_is_told_if_its_points_run_the_wrong_way(make, lower: float, reversed_: tuple) -> None:  # type: ignore[type-arg]
+    """Also one that touches or lies less than a segment away; what another face of the solid hides counts for nothing.
+
+    A second surface in the list looks at the block, so that some of the master always does.
+    """
+    lines = {name: [[x, y - lower] for x, y in line] for name, line in BOX.items()}
+    lines = {name: line[::-1] if name in reversed_ else line for name, line in lines.items()}
+    rigid = {name: {"line": line} for name, line in lines.items()} | {"ceiling": {"line": [[-9.0, 9.0], [9.0, 9.0]]}}
+    contact = {"slave": ["upper.bottom", "upper.top"], "master": list(rigid), "algorithm": "mortar-p1"}
+    if not reversed_:
+        assert make(contacts=[contact], rigid=rigid).contact is not None
+        return
+    with pytest.raises(SceneError, match="lies in the solid of the rigid surface top"):
+        make(contacts=[contact], rigid=rigid)
+
+
+def test_a_body_on_one_of_two_faces_of_a_corner_lies_in_no_solid(make) -> None:
+    """It may reach round the corner later; the face beside the corner has it behind itself."""
+    rigid = {"top": {"line": [[9.0, 0.0], [-1.0, 0.0]]}, "side": {"line": [[-1.0, 0.0], [-1.0, -9.0]]}}
+    contact = {"slave": "upper.bottom", "master": ["top", "side"], "algorithm": "mortar-p1"}
+    assert make(contacts=[contact], rigid=rigid).contact is not None
+
+
 def test_motion_is_that_of_the_table(make) -> None:
     """A quarter turn about (1, -1) while the centre moves up by 0.5: positions are exact at any time."""
     turn = {"to": 90.0, "about": [1.0, -1.0], "duration": 2e-4}
