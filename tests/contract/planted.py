@@ -324,15 +324,10 @@ PLANTED: dict[str, tuple[Defect, ...]] = {
             "slave.between(0.0, slave.sees(master.end))",
         ),
         ("low forgotten", "Overlap(low, high, slave", "Overlap(0.0, high, slave"),
-        ("squares without a degree", "return 1.0 - xi, xi", "return 1.0 - xi * xi, xi * xi"),
         ("basis reversed", "return 1.0 - xi, xi", "return xi, 1.0 - xi"),
     ),
     "contact outside dual-mortar/src/dual_mortar/contact.py:DualMortar": (
         ("tilt halved", "12.0 * middle", "6.0 * middle"),
-    ),
-    "right step_constant": (
-        ("jump not told", "    breaks: ClassVar[tuple[float, ...]] = (0.5,)\n", ""),
-        ("jump elsewhere", "if xi < 0.5", "if xi < 0.4"),
     ),
     "template contact/points": (
         ("over the length", "/ (edge @ edge)", "/ edge.length()"),

@@ -40,6 +40,7 @@ class PointContact(ContactAlgorithm):
     `ContactAlgorithm` that is written in the body of a part takes the place of the one made from the formula.
     """
 
+    passes_patch_test: ClassVar[bool] = False
     points: ClassVar[int] = 0
     rows_per_node: ClassVar[int] = 2
     memory_size: ClassVar[int] = 2

@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, ClassVar, Final, Literal
 
 import numpy as np
@@ -33,22 +34,19 @@ class SegmentContact(ContactAlgorithm):
 
     The gap is weighed by the basis and integrated over the overlaps: D, M and T of `Pieces`. `basis` may also ask for
     `covered`, the part of the segment that has a partner, and both for p, the numbers among the fields of the part.
-    Search, flanks, quadratic edges, integration, normals and all derivatives are the core's.
+    Search, flanks, quadratic edges, normals and all derivatives are the core's, and integration, which is exact for a
+    basis of polynomials that may jump and bend.
 
     A method of `ContactAlgorithm` that is written in the body of a part takes the place of the one made from formulas.
     Where that is `pieces`, it fills `ends` and `segment` of `Pieces`, which derivatives are made from.
 
     multipliers  which nodes of quadratic slave edges carry them: "nodes" all, "vertices" those at ends of edges;
                  "auto" is all without friction and the ends with it (mortar-operators.md, quadratic edges)
-
-    breaks        where in 0 to 1 the basis jumps or bends
-    basis_degree  of the polynomials in xi that the basis consists of between breaks: integrals are exact up to it
     """
 
     multipliers: Literal["auto", "nodes", "vertices"] = "auto"
 
-    breaks: ClassVar[tuple[float, ...]] = ()
-    basis_degree: ClassVar[int] = 1
+    passes_patch_test: ClassVar[bool] = True
     gradient_nodes: ClassVar[int] = 12
 
     def __init_subclass__(cls, **named: Any) -> None:
@@ -64,6 +62,11 @@ class SegmentContact(ContactAlgorithm):
     @abstractmethod
     def basis(xi: Number, covered: Covered) -> tuple[Number, Number]:
         """Values at xi of the multipliers at both ends of a slave segment. A formula."""
+
+    @cached_property
+    def basis_shape(self) -> Any:
+        """Where the basis jumps or bends, and its degree between: `Shape` of `contactlab.formulas.basis`."""
+        return late("contactlab.formulas.basis").shape_of(self)
 
     def with_friction(self) -> ContactAlgorithm:
         """Multipliers at the ends of quadratic edges, unless told otherwise."""

@@ -22,6 +22,7 @@ from contactlab.api.compiled.formulas import Slot
 from contactlab.api.segments import Covered
 from contactlab.formulas import segment_derivatives as changes
 from contactlab.formulas import segment_kernels as kernels
+from contactlab.formulas.basis import Shape
 from contactlab.formulas.class_kernels import ClassKernels, binder, gauss_rule
 from contactlab.formulas.parameters import values_of
 from contactlab.formulas.segment_normals import inward_normals, turned_normals
@@ -34,11 +35,15 @@ _PIECES, _DERIVATIVES, _GRADIENTS, _NORMALS, _MOMENTS = (BoundCache() for _ in r
 
 
 class _Kernels(ClassKernels):
-    """The kernels of one class."""
+    """The kernels of one class whose basis has one shape."""
+
+    def __init__(self, kind: Any, basis: Shape) -> None:
+        super().__init__(kind)
+        self.basis = basis
 
     @property
     def formula_slots(self) -> dict[Slot, Any]:
-        kind, breaks = self.kind, tuple(map(float, self.kind.breaks))
+        breaks, degree = self.basis
         found: dict[Slot, Any] = {
             kernels.OVERLAP: self.called("overlap", "slave, master, p", {}),
             kernels.BASIS: self.called(
@@ -52,11 +57,15 @@ class _Kernels(ClassKernels):
             (kernels.CUBIC_POINTS, kernels.CUBIC_WEIGHTS),
         )  # fmt: skip
         for (points, weights), trace in zip(names, (1, 2, 3), strict=True):
-            found[points], found[weights] = gauss_rule((kind.basis_degree + trace) // 2 + 1)
+            found[points], found[weights] = gauss_rule((degree + trace) // 2 + 1)
         return found
 
 
 _of_class = cache(_Kernels)
+
+
+def _kernels(part: SegmentContact) -> _Kernels:
+    return _of_class(type(part), part.basis_shape)
 
 
 def arrays_of(view: ContactView, out: Pieces, part: ContactAlgorithm | None) -> tuple[Any, ...]:
@@ -70,7 +79,7 @@ _BOTH, _DERIVED, _SEPARATED = (binder(table, arrays_of) for table in (Both, Deri
 
 def pieces(part: SegmentContact, view: ContactView, out: Pieces) -> int:
     """`ContactAlgorithm.pieces`."""
-    made_of = _of_class(type(part))
+    made_of = _kernels(part)
     arrays = made_of.given_arrays(_PIECES.of(out, _BOTH, view, part), Both)
     count, turned = made_of.made(kernels.pieces)(arrays, view.reach, DEPTH, _vertices(part))
     out.averaged = turned == 0
@@ -79,7 +88,7 @@ def pieces(part: SegmentContact, view: ContactView, out: Pieces) -> int:
 
 def derivatives(part: SegmentContact, view: ContactView, pieces: Pieces, count: int, out: PieceDerivatives) -> bool:
     """`ContactAlgorithm.derivatives`."""
-    made_of = _of_class(type(part))
+    made_of = _kernels(part)
     arrays = made_of.given_arrays(_DERIVATIVES.of(out, _DERIVED, view, part, pieces), Derived)
     out.count, out.normal_count = made_of.made(changes.piece_derivatives)(arrays, count, _vertices(part))
     return True
@@ -92,7 +101,7 @@ def gradients(
     """`ContactAlgorithm.gradients`."""
     if not pieces.averaged:
         return False
-    made_of = _of_class(type(part))
+    made_of = _kernels(part)
     bound = _GRADIENTS.of(out, _SEPARATED, view, part, pieces, owner, separation)
     arrays = made_of.given_arrays(bound, Separated)
     out.count, out.normal_count = count, made_of.made(changes.separation_gradients)(arrays, count, _vertices(part))
@@ -103,7 +112,7 @@ def moments(part: SegmentContact, view: ContactView, pieces: Pieces, count: int,
     """Moments (p, 4, 2) of smooth surfaces, see `contactlab.kernels.contact.smooth`."""
     from contactlab.formulas.segment_smooth import moments
 
-    made_of = _of_class(type(part))
+    made_of = _kernels(part)
     arrays = made_of.given_arrays(_MOMENTS.of(pieces, _BOTH, view, part), Both)
     made_of.made(moments)(arrays, count, out)
 
@@ -115,7 +124,7 @@ def moment_derivatives(
     """Entries (row, column, value) of what separations change with the moments; returns their number."""
     from contactlab.formulas.segment_smooth import moment_derivatives
 
-    made_of = _of_class(type(part))
+    made_of = _kernels(part)
     arrays = made_of.given_arrays(_MOMENTS.of(pieces, _BOTH, view, part), Both)
     return int(made_of.made(moment_derivatives)(arrays, count, owner, bends, nodes, out))
 

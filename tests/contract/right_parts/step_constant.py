@@ -1,6 +1,5 @@
 # kind contact cls Constant
 from dataclasses import dataclass
-from typing import Any, ClassVar
 
 from contactlab.api import Overlap, SegmentContact, formula
 
@@ -9,16 +8,13 @@ from contactlab.api import Overlap, SegmentContact, formula
 class Constant(SegmentContact):
     """Multipliers that are constant on the half segments beside each node."""
 
-    passes_patch_test: ClassVar[bool] = True
-    breaks: ClassVar[tuple[float, ...]] = (0.5,)
-
     @formula
-    def overlap(slave: Any, master: Any) -> Any:
+    def overlap(slave, master):
         low, high = slave.between(slave.sees(master.start), slave.sees(master.end))
         return Overlap(low, high, slave.meets(master, low), slave.meets(master, high))
 
     @formula
-    def basis(xi: Any) -> Any:
+    def basis(xi):
         if xi < 0.5:
             return 1.0, 0.0
         return 0.0, 1.0

@@ -40,8 +40,6 @@ class _Mortar(SegmentContact):
                  "auto" is all without friction and the ends with it (mortar-operators.md, quadratic edges)
     """
 
-    passes_patch_test: ClassVar[bool] = True
-
     @formula
     def overlap(slave: Any, master: Any) -> Any:
         """What lies between the points whose normals meet both ends of the master segment.
@@ -55,9 +53,6 @@ class _Mortar(SegmentContact):
 @dataclass(frozen=True)
 class MortarP0(_Mortar, Coned):
     """Multipliers constant on the cell of each slave node (Baillet & Sassi 2005, M_h^0; mortar-operators.md)."""
-
-    breaks: ClassVar[tuple[float, ...]] = (0.5,)
-    basis_degree: ClassVar[int] = 0
 
     @formula
     def basis(xi: Any) -> Any:
