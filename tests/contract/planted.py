@@ -326,9 +326,7 @@ PLANTED: dict[str, tuple[Defect, ...]] = {
         ("low forgotten", "Overlap(low, high, slave", "Overlap(0.0, high, slave"),
         ("basis reversed", "return 1.0 - xi, xi", "return xi, 1.0 - xi"),
     ),
-    "contact outside dual-mortar/src/dual_mortar/contact.py:DualMortar": (
-        ("tilt halved", "12.0 * middle", "6.0 * middle"),
-    ),
+    "contact page dual_mortar.py:DualMortar": (("tilt halved", "12.0 * middle", "6.0 * middle"),),
     "template contact/points": (
         ("over the length", "/ (edge @ edge)", "/ edge.length()"),
         ("from the end", "x.at - master.start", "x.at - master.end"),

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from planted import NOT_CAUGHT, PLANTED
+from plugin_page import FILES
 
 from contactlab.parts.registry import Registry
 from contactlab.testing.check_part import PartReport, check_part
@@ -32,7 +33,7 @@ EVERY = 5  # of the defects of quick kinds in the default tier
 
 
 def source_of(base: str) -> tuple[str, str, str]:
-    """Kind, class and source of a part: "right NAME", "template KIND/FILE", or "KIND outside PATH:CLASS"."""
+    """Kind, class and source of a part: "right NAME", "template KIND/FILE", or "KIND outside (or page) PATH:CLASS"."""
     words = base.split()
     if words[0] == "right":
         text = (HERE / "right_parts" / f"{words[1]}.py").read_text(encoding="utf-8")
@@ -44,7 +45,7 @@ def source_of(base: str) -> tuple[str, str, str]:
         text = (TEMPLATES / kind / f"{file or 'part'}.py.template").read_text(encoding="utf-8")
         return kind, "Mine", text.replace("$class_name", "Mine").replace("$name", "mine").replace("$$", "$")
     path, _, cls = words[2].partition(":")
-    text = (HERE.parent / "outside" / path).read_text(encoding="utf-8")
+    text = FILES[path] if words[1] == "page" else (HERE.parent / "outside" / path).read_text(encoding="utf-8")
     return words[0], cls, text.partition("@hookimpl")[0]
 
 

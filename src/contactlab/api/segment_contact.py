@@ -47,6 +47,7 @@ class SegmentContact(ContactAlgorithm):
     multipliers: Literal["auto", "nodes", "vertices"] = "auto"
 
     passes_patch_test: ClassVar[bool] = True
+    merged_below: ClassVar[float] = 0.2
     gradient_nodes: ClassVar[int] = 12
 
     def __init_subclass__(cls, **named: Any) -> None:

@@ -1,7 +1,7 @@
 """How gaps, slips and nodal forces of finished gap conditions change with the positions of nodes.
 
 A gap is the sum of weights times positions, and so is what a condition has slid; nodal forces are weights times
-multipliers. So all derivatives follow from those of the weights w_z alone (docs/write-a-plugin.md):
+multipliers. So all derivatives follow from those of the weights w_z alone (docs/parts/derivatives.md):
 
     d g = sum_z (w_z . dx_z + dw_z . x_z),    d f = sum_z y dw_z
 """

@@ -54,6 +54,8 @@ class _Mortar(SegmentContact):
 class MortarP0(_Mortar, Coned):
     """Multipliers constant on the cell of each slave node (Baillet & Sassi 2005, M_h^0; mortar-operators.md)."""
 
+    merged_below: ClassVar[float] = 0.05
+
     @formula
     def basis(xi: Any) -> Any:
         """Each end has the half beside it."""
@@ -63,8 +65,6 @@ class MortarP0(_Mortar, Coned):
 @dataclass(frozen=True)
 class MortarP1(_Mortar, Coned):
     """Multipliers continuous and linear on slave segments (Baillet & Sassi 2005, M_h^1; mortar-operators.md)."""
-
-    merged_below: ClassVar[float] = 0.2
 
     @formula
     def basis(xi: Any) -> Any:

@@ -6,4 +6,4 @@ from contactlab.api.plugin import Part, hookimpl
 @hookimpl
 def contactlab_parts() -> list[Part]:
     """One contact algorithm."""
-    return [Part("contact", "dual-mortar", "dual_mortar.contact:DualMortar", "biorthogonal multipliers")]
+    return [Part("contact", "gauss-mortar", "gauss_mortar.contact:GaussMortar", "linear multipliers at Gauss points")]
