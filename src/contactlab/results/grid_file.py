@@ -13,7 +13,7 @@ from contactlab.api.arrays import Floats
 from contactlab.api.frame import Frame, Layout
 from contactlab.results.cell_types import connectivity
 from contactlab.results.growing import Column, GrowingFile
-from contactlab.results.precision import PLACES, SHOWN, placed, rounded
+from contactlab.results.precision import PLACES, SHOWN, placed
 from contactlab.results.shown_times import ShownTimes, create_times
 
 OFFSETS = 64  # frames whose offsets are in a chunk
@@ -140,12 +140,12 @@ class GridFile:
             values: Floats = np.zeros(self.nodes)
             for contact in self.layout.contacts:
                 values[contact.slave_nodes] += getattr(frame.curves[contact.name], names[field])
-            self.point_fields[field].write(row, values if field == "contact_state" else rounded(values, SHOWN))
+            self.point_fields[field].write(row, values if field == "contact_state" else placed(values, SHOWN))
 
     def _write_cells(self, row: int, frame: Frame) -> None:
         parts = [frame.cells[body.name] for body in self.layout.bodies]
         self._stress[:, :4] = np.concatenate([part["stress"] for part in parts])
-        self.cell_fields["stress"].write(row, rounded(self._stress, SHOWN))
+        self.cell_fields["stress"].write(row, placed(self._stress, SHOWN))
         for name in ("von_mises", *self.variables):
             values = [part[name] if name in part else np.zeros(len(part["von_mises"])) for part in parts]
-            self.cell_fields[name].write(row, rounded(np.concatenate(values), SHOWN))
+            self.cell_fields[name].write(row, placed(np.concatenate(values), SHOWN))

@@ -45,7 +45,6 @@ SPARE_FRAMES = 4  # room beside the frames that the scene asks for; runs that se
 STEP_ROWS = 1024  # steps by which their room grows, at least, and of a chunk: HDF5 keeps some 400 B of each in memory
 METADATA = 350_000.0  # bytes of a file beside its numbers, as measured: some 60 datasets and what is set aside for them
 FRAME_METADATA = 1200.0  # and of a frame: each dataset tells where its chunk is
-PACKED = 3 << 20  # bytes from which a file is compressed: of smaller ones it saves less than it takes of a short run
 
 
 @dataclass(frozen=True)
@@ -211,7 +210,7 @@ class VtkHdfRecording(Recording):
         finally:
             self.growing.close()
         if summary["status"] not in RESUMABLE:
-            pack(self.growing.path, PACKED)
+            pack(self.growing.path)
 
     def cut(self, frames: int, last_step: int, events: int, iterations: int) -> None:
         """Have exactly so much of everything, up to this step, and no spare room."""

@@ -152,7 +152,6 @@ def _mesh_view(one: Shown) -> rrb.Spatial2DView:
         contents=[f"+ {path}/{name}/**" for name in names],
         name=one.appearance.title,
         visual_bounds=bounds(*one.box, margin=0.03),
-        background=PAPER,
     )
 
 
@@ -177,7 +176,6 @@ def _plot_view(path: str, curves: Sequence[str], name: str, legend: bool) -> rrb
         contents=[f"+ {path}/**", *curves],
         name=name,
         visual_bounds=bounds(BOX[0], BOX[1] + (LEGEND if legend else 0.0), margin=0.02),
-        background=PAPER,
     )
 
 
@@ -199,12 +197,12 @@ def _solver_views(shown: Sequence[Shown]) -> list[rrb.View | None]:
     length = _in(_units(shown).length)
     alone = len(shown) == 1
     return [
-        _series_view(shown, "solver", "Gauss-Seidel iterations per step", ("sweeps",)),
-        _series_view(shown, "solver", "iterations per step", ("iterations",)),
-        _series_view(shown, "nodes", "nodes in contact", ("active", "sticking"), legend=alone),
+        _series_view(shown, "solver/sweeps", "Gauss-Seidel iterations per step"),
+        _series_view(shown, "solver/iterations", "iterations per step"),
+        _series_view(shown, "nodes", "nodes in contact", legend=alone),
         _series_view(shown, "violation", f"contact condition violated{length}"),
-        _series_view(shown, "solver", "contact residual", ("residual",)),
-        _series_view(shown, "solver", "step length [s]", ("dt",)),
+        _series_view(shown, "solver/residual", "contact residual"),
+        _series_view(shown, "solver/dt", "step length [s]"),
         _series_view(shown, "time-per-step", "time per step [s]", legend=alone),
     ]
 
@@ -217,7 +215,7 @@ def _series_view(
     for one in shown:
         for series, varying in one.series:
             lines = [v and (not wanted or n in wanted) for n, v in zip(series.names, varying, strict=True)]
-            if series.group == group and any(lines):
+            if series.path.startswith(group) and any(lines):
                 entities.append(f"{one.appearance.path}/{series.path}")
                 if lines != list(varying):
                     overrides[entities[-1]] = rr.SeriesLines(visible_series=lines)
@@ -255,7 +253,6 @@ def _lines(
         overrides=overrides,
         # lines of several runs have the colours of their meshes' outlines; a legend would hide half of them
         plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop, visible=legend),
-        axis_x=_WHOLE,
     )
 
 
@@ -267,7 +264,6 @@ def _picture_view(picture: Picture, name: str) -> rrb.Spatial2DView:
         visual_bounds=rrb.VisualBounds2D(
             x_range=[picture.low[0], picture.high[0]], y_range=[picture.low[1], picture.high[1]]
         ),
-        background=PAPER,
     )
 
 

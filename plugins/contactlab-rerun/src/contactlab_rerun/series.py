@@ -1,4 +1,7 @@
-"""Every step's scalars: where each of them lives, and writing them many steps at a time."""
+"""Scalars of steps: where each of them lives, and writing them many steps at a time.
+
+A line has the steps that it needs to pass through all others as well, as far as anyone sees: HDF5 has every step.
+"""
 
 from __future__ import annotations
 
@@ -8,17 +11,16 @@ from dataclasses import dataclass
 import numpy as np
 import rerun as rr
 
-from contactlab.api.arrays import Floats
+from contactlab.api.arrays import Floats, Ints
 from contactlab.api.drawing.colours import STYLES, rgb
 from contactlab.api.frame import Layout
 from contactlab_rerun.gathered import Appearance, Gathered
 from contactlab_rerun.timelines import frame_times
 
-COUNTS = ("solver", "nodes")
-COUNTED = ("active", "sticking", "changed")  # the last one is not there in older runs
 LINES = (*(style.colour for style in STYLES), "#F0E442", "#9AA0A6", "#F4A582", "#B2DF8A")
 """Colours of the lines of one plot, no two alike among the ten that a plot has at most."""
 ROWS = 8192  # steps that are sent together: what a call costs is then shared by many
+SEEN = 1e-3  # of the height of a plot: a pixel of a large one
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,7 @@ def all_series(layout: Layout) -> list[Series]:
     of_contact = tuple(name for name in layout.steps if name.startswith("energy.contact."))
     energy = tuple(name for name in layout.steps if name.startswith("energy.") and name not in of_contact)
     groups = [
-        _series(layout, "solver", ("sweeps", "iterations", "residual", "dt")),
+        *(_series(layout, f"solver/{name}", (name,)) for name in ("sweeps", "iterations", "residual", "dt")),
         _series(layout, "energy", energy),
         _series(layout, "time-per-step", ("cost.elements", "cost.contact")),
     ]
@@ -56,8 +58,9 @@ def all_series(layout: Layout) -> list[Series]:
         groups.append(Series("reaction", _columns(layout, names), names))
     for contact in layout.contacts:
         name = contact.name
-        counted = [column for what in COUNTED if (column := f"{name}.{what}") in layout.steps]
-        groups.append(_series(layout, f"nodes/{name}", counted))
+        groups.append(_series(layout, f"nodes/{name}", (f"{name}.active", f"{name}.sticking")))
+        if (changed := f"{name}.changed") in layout.steps:  # not in older runs
+            groups.append(_series(layout, f"changed/{name}", (changed,)))
         groups.append(_series(layout, f"violation/{name}", (f"{name}.penetration",)))
     return groups
 
@@ -77,7 +80,7 @@ class SeriesWriter:
         self.recording, self.run, self.appearance, layout = recording, run, appearance, run.layout
         self.series = all_series(layout)
         self.waiting = np.empty((ROWS, len(layout.steps)))
-        self.rows = 0
+        self.rows, self.many = 0, False
         self.largest = np.zeros(len(layout.steps))
 
     def add(self, block: Floats) -> None:
@@ -94,18 +97,22 @@ class SeriesWriter:
         """Send the rows that wait to the file."""
         if not self.rows:
             return
-        values, self.rows = self.waiting[: self.rows], 0
+        values, self.many, self.rows = self.waiting[: self.rows], self.rows == ROWS, 0
         np.fmax(self.largest, np.fmax.reduce(np.abs(values), axis=0), out=self.largest)
-        when = frame_times(self.run, values[:, 0], values[:, 1])
         for series in self.series:
-            columns = rr.Scalars.columns(scalars=values[:, series.columns].ravel())
+            kept = corners(values[:, 0], values[:, series.columns])
+            columns = rr.Scalars.columns(scalars=values[np.ix_(kept, series.columns)].ravel())
             if len(series.columns) > 1:
-                columns = columns.partition(np.full(len(values), len(series.columns)))
+                columns = columns.partition(np.full(len(kept), len(series.columns)))
+            when = frame_times(self.run, values[kept, 0], values[kept, 1])
             self.recording.send_columns(f"{self.appearance.path}/{series.path}", when, columns)
 
     def log_styles(self, several: bool) -> None:
         """Names and colours of the lines, among several runs those of their run; what is always zero is hidden."""
         numbers: dict[str, int] = {}
+        # where pixels are too few the viewer takes one of some rows, as if these were evenly apart
+        policies = rr.components.AggregationPolicy
+        policy = policies.MinMax if self.many else policies.Off
         for series, visible in self.shown():
             names, colours = [], []
             for name in series.names:
@@ -117,11 +124,34 @@ class SeriesWriter:
                 colors=colours,
                 widths=[1.5] * len(names),
                 visible_series=visible,
-                # of whole numbers no mean should be drawn where pixels are too few
-                aggregation_policy=rr.components.AggregationPolicy.Max if series.group in COUNTS else None,
+                aggregation_policy=policy,
             )
             self.recording.log(f"{self.appearance.path}/{series.path}", style, static=True)
 
     def shown(self) -> list[tuple[Series, list[bool]]]:
         """The series, and which of their lines are not zero all the time."""
         return [(series, [bool(self.largest[column] > 0.0) for column in series.columns]) for series in self.series]
+
+
+def corners(x: Floats, lines: Floats) -> Ints:
+    """Which rows are kept of lines (n, k) over x (n,), so that straight pieces between them pass through all others.
+
+    Pieces are halved until they do, to `SEEN` of the largest value.
+    """
+    kept = np.zeros(len(x), np.bool_)
+    kept[[0, -1]] = True
+    allowed = SEEN * np.nanmax(np.abs(lines), initial=0.0)
+    pieces = np.array([[0, len(x) - 1]])
+    while len(pieces := pieces[pieces[:, 1] > pieces[:, 0] + 1]):
+        begin, end = pieces.T
+        inner = end - begin - 1
+        piece = np.repeat(np.arange(len(pieces)), inner)
+        row = np.arange(len(piece)) - np.repeat(np.cumsum(inner) - inner, inner) + np.repeat(begin + 1, inner)
+        share = ((x[row] - x[begin][piece]) / (x[end] - x[begin])[piece])[:, None]
+        straight = lines[begin][piece] * (1.0 - share) + lines[end][piece] * share
+        off = ~(np.abs(lines[row] - straight) <= allowed).all(axis=1)  # what is not a number is kept
+        begin, end = pieces[np.bincount(piece[off], minlength=len(pieces)) > 0].T
+        middle = (begin + end) // 2
+        kept[middle] = True
+        pieces = np.concatenate([np.stack([begin, middle], axis=1), np.stack([middle, end], axis=1)])
+    return np.flatnonzero(kept)

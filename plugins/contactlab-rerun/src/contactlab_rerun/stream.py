@@ -28,14 +28,14 @@ class FileStream:
         self.error: OSError | None = None
         self.reader: threading.Thread | None = None
         if not Path("/dev/fd").is_dir():
-            self.stream.save(path)
+            self.stream.save(path, write_footer=False)
             return
         path.unlink(missing_ok=True)
         self.file = path.open("xb", buffering=0)
         self.source, self.end = os.pipe()
         self.reader = threading.Thread(target=self._read, name="contactlab-rerun", daemon=True)
         self.reader.start()
-        self.stream.save(f"/dev/fd/{self.end}")
+        self.stream.save(f"/dev/fd/{self.end}", write_footer=False)
 
     def _read(self) -> None:
         while data := os.read(self.source, 1 << 20):
@@ -71,6 +71,7 @@ class Arrangement(rrb.Blueprint):
 
     def _log_to_stream(self, stream: rr.RecordingStream) -> None:
         self.used = (*self.used, stream)
+        stream.set_log_time_enabled(False)
         super()._log_to_stream(stream)
 
     def send(self, recording: rr.RecordingStream) -> None:
