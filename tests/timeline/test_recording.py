@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import resource
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -32,7 +33,9 @@ BOTH = {"record.recorders": ["vtkhdf", {"use": "rerun", "write": "run"}]}
 # the viewer keeps single precision, and drawings are scaled: 2^-23 of the largest coordinate, a few times
 SINGLE = 1e-6
 LANES = "/disc.arc/s_"
-DRAWN = 2.0**-15  # positions of meshes, as a share of the model's size: half of their last place
+DRAWN = 2.0**-11  # positions of meshes, as a share of the model's size: of 12 bits, the last of which is twice that
+GRAIN = 2.0**-11  # of curves, as a share of a plot's height
+SEEN = 1e-3  # how far a line may be off where steps are left out, as a share of its plot's height
 
 
 class Rows(NamedTuple):
@@ -49,7 +52,9 @@ class Reader:
     def __init__(self, path: Path) -> None:
         self.moving: dict[str, list[Any]] = {}
         self.static: dict[str, list[Any]] = {}
-        for part in chunk.RrdReader(str(path)).stream():
+        with warnings.catch_warnings(action="ignore"):  # it has no index
+            reader = chunk.RrdReader(str(path))
+        for part in reader.stream():
             kind = self.static if part.is_static else self.moving
             kind.setdefault(part.entity_path, []).append(part.to_record_batch())
 
@@ -102,15 +107,13 @@ def reader(run: Results) -> Reader:
 
 def test_entities(run: Results, reader: Reader) -> None:
     expected = {f"/run/{name}" for name in (
-        "view", "mesh", "outline", "wire", "arrows", "bar", "bar/labels", "bar/stick", "bar/slip", "energy", "solver",
-        "contact-work", "reaction", "time-per-step", "nodes/contacts.0", "violation/contacts.0",
-        "profile/contacts.0/pressure",
+        "view", "mesh", "outline", "wire", "arrows", "bar", "bar/labels", "bar/stick", "bar/slip", "energy",
+        "solver/sweeps", "solver/residual", "solver/dt", "contact-work", "reaction", "time-per-step",
+        "nodes/contacts.0", "violation/contacts.0", "profile/contacts.0/pressure",
         "profile/contacts.0/shear", "gap-along/contacts.0/gap", "slip-along/contacts.0/slip", "events", "scene",
         "numbers/contacts.0",
     )}  # fmt: skip
-    expected |= {
-        f"/axes/0{what}/{name}" for what in ("", "-gap", "-slip") for name in ("view", "axes", "grid", "labels")
-    }
+    expected |= {f"/axes/0{what}/{name}" for what in ("", "-gap", "-slip") for name in ("view", "axes", "labels")}
     tracks = {path for path in reader.paths if path.startswith(LANES)}
     assert 2 <= len(tracks) <= 8
     pictures = {f"/run/steps/contacts.0/{kind}/picture" for kind in ("state", "segment", "pressure", "gap", "slip")}
@@ -141,23 +144,28 @@ def test_tables_have_the_numbers_of_each_node_at_every_frame(run: Results, reade
     assert np.array_equal(shown[closed], record["segment"][closed])
 
 
-def test_scalars_of_every_step_are_those_of_the_results_file(run: Results, reader: Reader) -> None:
-    """All columns but the two timelines, to the last bit."""
-    steps, found = run.steps, {}
+def test_scalars_are_those_of_the_results_file_and_lines_pass_through_all_steps(run: Results, reader: Reader) -> None:
+    """Of noise the extremes are there, of a line that is always zero nothing."""
+    steps, found = run.steps, set()
     for path, prefix in (
-        ("solver", ""), ("energy", "energy."), ("contact-work", "energy.contact."), ("reaction", ""),
-        ("time-per-step", "cost."),
+        ("solver/sweeps", ""), ("solver/residual", ""), ("solver/dt", ""), ("energy", "energy."),
+        ("contact-work", "energy.contact."), ("reaction", ""), ("time-per-step", "cost."),
         ("nodes/contacts.0", "contacts.0."), ("violation/contacts.0", "contacts.0."),
     ):  # fmt: skip
         names, rows = reader.scalars(f"/run/{path}")
-        assert np.array_equal(rows.steps, steps["step"])
+        kept = np.searchsorted(steps["step"], rows.steps)
+        assert {0, len(steps["step"]) - 1} <= set(kept.tolist())
+        assert len(kept) <= 0.6 * len(steps["step"])  # half of them, and ends of parts
         # durations are whole nanoseconds
-        assert np.abs(rows.times - steps["time"]).max() <= 0.5e-9 * (1.0 + 1e-6)
-        values = np.array(rows.values)
-        found |= {prefix + name: values[:, i] for i, name in enumerate(names)}
-    assert found.keys() == steps.keys() - {"step", "time"}
-    for name, values in found.items():
-        assert np.array_equal(values, steps[name]), name
+        assert np.abs(rows.times - steps["time"][kept]).max() <= 0.5e-9 * (1.0 + 1e-6)
+        known = np.array([steps[prefix + name] for name in names])
+        assert np.array_equal(np.array(rows.values).T, known[:, kept])
+        drawn = np.array([np.interp(steps["step"], rows.steps, line[kept]) for line in known])
+        if path == "energy":  # in the others a line swings in every step
+            assert np.abs(drawn - known).max() <= SEEN * np.abs(known).max()
+        assert (known[:, kept].max(axis=1) >= known.max(axis=1) - SEEN * known.max()).all()
+        found |= {prefix + name for name in names}
+    assert steps.keys() - found == {"step", "time", "iterations", "contacts.0.changed"}
 
 
 def test_every_frame_has_its_deformed_mesh(run: Results, reader: Reader) -> None:
@@ -221,12 +229,14 @@ def test_arrows_are_contact_tractions_in_the_colours_of_the_states(run: Results,
 def test_profiles_are_the_contact_curves(run: Results, reader: Reader) -> None:
     """Values are affine in what is drawn: the scales follow from the axes' own corners."""
     strips = reader.rows("/run/profile/contacts.0/pressure", "LineStrips3D:strips")
-    # every step has its curve: frames, the first of which is the start, and the contact record
-    assert strips.steps.tolist() == [0, *run.steps["step"]]
+    # frames, the first of which is the start, the last steps, and others as far as there is room
+    known, shown = [0, *run.steps["step"]], strips.steps.tolist()
+    assert {frame.step for frame in run.frames} | set(known[-50:]) <= set(shown) <= set(known)
     peaks = [max(point[1] for point in strip[0]) for strip in strips.values]
-    expected = [0.0, *run.contact["contacts.0"].steps["pressure"].max(axis=1)]
-    assert np.corrcoef(peaks, expected)[0, 1] > 1.0 - 1e-9
-    assert max(peaks) <= 1.0 + SINGLE, "the axis reaches the largest pressure of any step"
+    expected = np.array([0.0, *run.contact["contacts.0"].steps["pressure"].max(axis=1)])[np.searchsorted(known, shown)]
+    # heights are whole grains: noise of a third of one beside a curve as high as the plot
+    assert np.corrcoef(peaks, expected)[0, 1] > 1.0 - GRAIN
+    assert max(peaks) <= 1.0 + GRAIN, "the axis reaches the largest pressure of any step"
     labels = reader.constant("/axes/0/labels", "Points3D:labels")
     assert "p [MPa]" in labels
     assert "s along disc.arc [mm]" in labels
@@ -241,7 +251,7 @@ def test_gaps_are_those_of_the_contact_curves(run: Results, reader: Reader) -> N
     strips = reader.rows("/run/gap-along/contacts.0/gap", "LineStrips3D:strips")
     frames = {frame.step: frame.curves["contacts.0"] for frame in run.frames}
     assert set(frames) <= set(strips.steps.tolist())
-    assert len(strips.steps) >= 200  # the last steps have theirs, beside frames
+    assert len(strips.steps) >= len(frames) + 40  # the last steps have theirs, but for those of frames
     labels = reader.constant("/axes/0-gap/labels", "Points3D:labels")
     assert {"0", "gap [mm]", "s along disc.arc [mm]"} <= set(labels)
     gaps: list[float] = []
@@ -256,13 +266,13 @@ def test_gaps_are_those_of_the_contact_curves(run: Results, reader: Reader) -> N
         covered = np.isfinite(gap)
         assert len(drawn) <= covered.sum()
         assert (drawn[:, 0] >= -SINGLE).all()
-        assert (drawn[:, 0] <= WIDTH + SINGLE).all()
+        assert (drawn[:, 0] <= WIDTH + GRAIN).all()
         if len(drawn) == covered.sum():
             gaps += list(gap[covered])
             heights += list(drawn[:, 1])
     apart, overlap = np.array(gaps) > 1e-4, np.array(gaps) < -1e-7  # the facets' overlap of the start, let go slowly
     assert apart.sum() > 20
-    assert np.corrcoef(np.log10(np.array(gaps)[apart]), np.array(heights)[apart])[0, 1] > 1.0 - 1e-6
+    assert np.corrcoef(np.log10(np.array(gaps)[apart]), np.array(heights)[apart])[0, 1] > 1.0 - 1e-5
     assert overlap.any()
     assert np.array(heights)[overlap].max() < np.array(heights)[apart].min()
 
@@ -485,7 +495,6 @@ def test_fewer_frames_keep_the_last_one(run: Results, tmp_path: Path) -> None:
     steps = [frame.step for frame in run.frames]
     expected = sorted({*steps[::7], steps[-1]})
     assert read.rows("/run/mesh", "Mesh3D:vertex_positions").steps.tolist() == expected
-    assert len(read.scalars("/run/energy")[1].steps) == len(run.steps["step"])
 
 
 def _frame_bytes(run: Results) -> int:
@@ -547,9 +556,8 @@ def test_newton_iterations_are_on_the_timeline(small_scene: MakeScene, tmp_path:
     for strips in curves.values:
         heights = [point[1] for point in strips[-1]]
         assert heights[-1] == min(heights)
-    names, values = read.scalars("/run/solver")
-    per_step = np.array(values.values)[:, names.index("iterations")]
-    assert per_step.sum() == run.summary["iterations"]
+    _, values = read.scalars("/run/solver/iterations")
+    assert np.array_equal(np.ravel(values.values), run.steps["iterations"][values.steps - 1])
     assert_one_iteration_after_the_other(run, read)
 
 
@@ -660,8 +668,8 @@ def test_comparison_has_all_runs_on_one_cursor(small_scene: MakeScene, tmp_path:
     colours = set()
     for name, run in zip(("mortar-p0-end-8e-06", "node-on-segment-end-9e-06"), runs.values(), strict=True):
         names, rows = read.scalars(f"/{name}/energy")
-        assert np.array_equal(rows.steps, run.steps["step"])
-        assert np.array_equal(np.array(rows.values)[:, 1], run.steps["energy.internal"])
+        assert rows.steps[-1] == run.steps["step"][-1]
+        assert np.array_equal(np.array(rows.values)[:, 1], run.steps["energy.internal"][rows.steps - 1])
         assert set(names) == {next(title for title, other in runs.items() if other is run)}
         frames = read.rows(f"/{name}/mesh", "Mesh3D:vertex_positions")
         assert len(frames.steps) == len(run.frames)
@@ -750,6 +758,6 @@ def test_recording_of_a_resumed_run_is_whole(small_scene: MakeScene, tmp_path: P
     run = simulate(scene, tmp_path / "run", resume=True)
     read = Reader(tmp_path / "run" / FILE)
     _, rows = read.scalars("/run/energy")
-    assert np.array_equal(rows.steps, run.steps["step"])
+    assert rows.steps[[0, -1]].tolist() == run.steps["step"][[0, -1]].tolist()
     assert len(read.rows("/run/mesh", "Mesh3D:vertex_positions").steps) == len(run.frames)
     assert not any("interrupted" in text for (text,) in read.rows("/run/events", "TextLog:text").values)

@@ -31,7 +31,7 @@ def copy_final(old: h5py.Group, new: h5py.Group, level: int) -> bool:
     kept = {name: array for name, array in saved.memory.items() if name.startswith(KEPT)}
     write_text(new, "arrays", json.dumps({name: list(array.shape) for name, array in kept.items()}))
     flat = np.concatenate([array.ravel() for array in kept.values()])
-    text = np.frombuffer(saved.summary.encode(), np.uint8)
+    text = np.zeros(0, np.uint8)  # the summary of the end is beside it
     counts = np.array([slots.serial, saved.frames, saved.steps, saved.events, len(text)], np.int64)
     header = header_of(counts, flat, text)
     newest = max((0, 1), key=lambda slot: int(slots.headers[slot][SERIAL]))
@@ -41,6 +41,6 @@ def copy_final(old: h5py.Group, new: h5py.Group, level: int) -> bool:
         memory = place.create_dataset("memory", flat.shape, "f8", shuffle=True, **how)
         if here:
             memory[...] = flat
-        place.create_dataset("summary", data=text if here else text[:0], maxshape=(None,))
+        place.create_dataset("summary", data=text, maxshape=(None,))
         place["header"] = header if here else np.zeros(CHECKSUM + 2, np.int64)
     return True

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-PLACES, SHOWN = 18, 14
-"""Bits of positions and displacements, and of all else, of the largest value in a frame: to 2e-6 and 3e-5 of it."""
+PLACES, SHOWN = 16, 12
+"""Bits of positions and displacements, and of all else, of the largest value in a frame: to 8e-6 and 1.2e-4 of it."""
 
 
 def placed(values: np.ndarray, bits: int) -> np.ndarray:

@@ -40,6 +40,7 @@ class Shown:
 
     box     what its mesh view shows
     series  with which of their lines are worth drawing
+    frames  that are drawn
     pictures, active_sets  of the contact record, node by step, and of Newton's iterations
     """
 
@@ -47,6 +48,7 @@ class Shown:
     run: Gathered
     box: tuple[Floats, Floats]
     series: Sequence[tuple[Series, Sequence[bool]]]
+    frames: Sequence[int]
     pictures: Sequence[Picture] = ()
     active_sets: Sequence[Picture] = ()
 

@@ -21,8 +21,8 @@ from contactlab_rerun.timelines import frame_times, iterate_times, last_iteratio
 
 MESH_BYTES = 16  # of a node in a frame: position and colour
 LINE_BYTES = 12  # of a point of a line
-FEWEST = 16  # frames that are drawn in any case
-PLACES = 13  # bits of positions, of the size of the model: a twentieth of a pixel, and one where it is seen from near
+FEWEST = 12  # frames that are drawn in any case
+PLACES = 12  # bits of positions, of the size of the model: a fourth of a pixel
 AT_ONCE = 4_000_000  # bytes of positions that are sent together
 FEW_CELLS = 800  # up to here the sides of cells are drawn
 LONGEST_ARROW = 0.16  # of the model's size

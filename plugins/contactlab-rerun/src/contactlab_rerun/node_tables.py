@@ -19,13 +19,13 @@ ROW = 90  # letters of a row, about
 FOLDER = "numbers"
 
 
-def log_tables(recording: rr.RecordingStream, run: Gathered, appearance: Appearance) -> None:
-    """A table of each contact for frames and last steps: the newest at most, where there is no room for all."""
+def log_tables(recording: rr.RecordingStream, run: Gathered, appearance: Appearance, drawn: Sequence[int]) -> None:
+    """A table of each contact for the frames that are drawn: the newest, where there is no room for all."""
     units = Units.of_label(run.layout.units)
     for contact in run.layout.contacts:
         surface, instants = run.surfaces[contact.name], run.instants
         most = max(1, LETTERS // (ROW * max(1, len(surface.s))))
-        frames = range(max(0, len(instants) - most), len(instants))
+        frames = drawn[-most:]
         recorded = run.recorded_frames(contact.name)
         texts = [table(run, contact, frame, recorded.get(frame), units) for frame in frames]
         when = frame_times(run, [instants[k].step for k in frames], [instants[k].time for k in frames])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 
 OPENS = "opens"
@@ -11,7 +12,9 @@ def step_to_open(file: Path) -> int | None:
     """The step that the recording names; None where it names none."""
     from rerun.chunk import RrdReader
 
-    for chunk in RrdReader(str(file)).stream().filter(content=f"/__properties/{OPENS}/**"):
+    with warnings.catch_warnings(action="ignore"):  # it has no index
+        chunks = RrdReader(str(file)).stream().filter(content=f"/__properties/{OPENS}/**")
+    for chunk in chunks:
         batch = chunk.to_record_batch()
         for name in batch.schema.names:
             if name.rpartition(":")[2] == "step" or name == "step":

@@ -15,6 +15,7 @@ from contactlab.api.drawing.colours import STYLES, styles
 from contactlab.api.frame import Event, Frame, Iterate, IterationRow, Layout, StoredRun
 from contactlab.api.recorder import Recording, replay
 from contactlab_rerun.gathered import Appearance, Gathered, entity_name, tint
+from contactlab_rerun.library import imported_quietly
 
 if TYPE_CHECKING:
     from contactlab_rerun.recorder import Rerun
@@ -97,12 +98,17 @@ def record_run(options: Rerun, folder: Path, layout: Layout) -> RunRecording:
     files: list[TimelineFile] = []
 
     def open_run(run: Gathered) -> SeriesWriter:
-        from contactlab_rerun.timeline_file import TimelineFile
-
-        files.append(TimelineFile(folder / options.shown_file, options, timeline="step"))
+        files.append(_begun(folder / options.shown_file, options, "step"))
         return files[0].open_run(run, appearance)
 
     return RunRecording(open_run, options, layout, lambda summary: files[0].finish([summary]))
+
+
+def _begun(path: Path, options: Rerun, timeline: str) -> TimelineFile:
+    with imported_quietly():
+        from contactlab_rerun.timeline_file import TimelineFile
+
+    return TimelineFile(path, options, timeline)
 
 
 def write_comparison(options: Rerun, path: Path, runs: Mapping[str, StoredRun]) -> None:
@@ -110,9 +116,7 @@ def write_comparison(options: Rerun, path: Path, runs: Mapping[str, StoredRun]) 
     shown = {title: run for title, run in runs.items() if len(run.frames)}
     if not shown:
         return
-    from contactlab_rerun.timeline_file import TimelineFile
-
-    file = TimelineFile(path, options, timeline="sim_time")
+    file = _begun(path, options, "sim_time")
     for title, appearance in appearances(shown).items():
         run = shown[title]
         one = RunRecording(partial(file.open_run, appearance=appearance), options, run.layout, lambda summary: None)

@@ -1,6 +1,7 @@
 """Scalars of steps: where each of them lives, and writing them many steps at a time.
 
-A line has the steps that it needs to pass through all others as well, as far as anyone sees: HDF5 has every step.
+A line has the steps that it needs to pass through all others, as far as anyone sees, and where it would need most of
+them the extremes alone. `results.vtkhdf` has every step.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import rerun as rr
 
-from contactlab.api.arrays import Floats, Ints
+from contactlab.api.arrays import Floats
 from contactlab.api.drawing.colours import STYLES, rgb
 from contactlab.api.frame import Layout
 from contactlab_rerun.gathered import Appearance, Gathered
@@ -20,6 +21,7 @@ from contactlab_rerun.timelines import frame_times
 LINES = (*(style.colour for style in STYLES), "#F0E442", "#9AA0A6", "#F4A582", "#B2DF8A")
 """Colours of the lines of one plot, no two alike among the ten that a plot has at most."""
 ROWS = 8192  # steps that are sent together: what a call costs is then shared by many
+FEW = 200  # rows that are sent whatever they are
 SEEN = 1e-3  # of the height of a plot: a pixel of a large one
 
 
@@ -59,8 +61,6 @@ def all_series(layout: Layout) -> list[Series]:
     for contact in layout.contacts:
         name = contact.name
         groups.append(_series(layout, f"nodes/{name}", (f"{name}.active", f"{name}.sticking")))
-        if (changed := f"{name}.changed") in layout.steps:  # not in older runs
-            groups.append(_series(layout, f"changed/{name}", (changed,)))
         groups.append(_series(layout, f"violation/{name}", (f"{name}.penetration",)))
     return groups
 
@@ -97,11 +97,11 @@ class SeriesWriter:
         """Send the rows that wait to the file."""
         if not self.rows:
             return
-        values, self.many, self.rows = self.waiting[: self.rows], self.rows == ROWS, 0
+        values, self.many, self.rows = self.waiting[: self.rows], self.many or self.rows == ROWS, 0
         np.fmax(self.largest, np.fmax.reduce(np.abs(values), axis=0), out=self.largest)
-        for series in self.series:
+        for series in self.series if self.many else [series for series, _ in self.shown()]:
             kept = corners(values[:, 0], values[:, series.columns])
-            columns = rr.Scalars.columns(scalars=values[np.ix_(kept, series.columns)].ravel())
+            columns = rr.Scalars.columns(scalars=values[kept][:, series.columns].ravel())
             if len(series.columns) > 1:
                 columns = columns.partition(np.full(len(kept), len(series.columns)))
             when = frame_times(self.run, values[kept, 0], values[kept, 1])
@@ -129,18 +129,19 @@ class SeriesWriter:
             self.recording.log(f"{self.appearance.path}/{series.path}", style, static=True)
 
     def shown(self) -> list[tuple[Series, list[bool]]]:
-        """The series, and which of their lines are not zero all the time."""
-        return [(series, [bool(self.largest[column] > 0.0) for column in series.columns]) for series in self.series]
+        """The series that are not zero all the time, and which of their lines are not."""
+        shown = [(series, [bool(self.largest[column] > 0.0) for column in series.columns]) for series in self.series]
+        return [(series, visible) for series, visible in shown if any(visible)]
 
 
-def corners(x: Floats, lines: Floats) -> Ints:
+def corners(x: Floats, lines: Floats) -> np.ndarray:
     """Which rows are kept of lines (n, k) over x (n,), so that straight pieces between them pass through all others.
 
     Pieces are halved until they do, to `SEEN` of the largest value.
     """
     kept = np.zeros(len(x), np.bool_)
     kept[[0, -1]] = True
-    allowed = SEEN * np.nanmax(np.abs(lines), initial=0.0)
+    allowed = SEEN * np.abs(lines[np.isfinite(lines)]).max(initial=0.0)
     pieces = np.array([[0, len(x) - 1]])
     while len(pieces := pieces[pieces[:, 1] > pieces[:, 0] + 1]):
         begin, end = pieces.T
@@ -154,4 +155,17 @@ def corners(x: Floats, lines: Floats) -> Ints:
         middle = (begin + end) // 2
         kept[middle] = True
         pieces = np.concatenate([np.stack([begin, middle], axis=1), np.stack([middle, end], axis=1)])
-    return np.flatnonzero(kept)
+    most = max(FEW, len(x) // 2)
+    return np.flatnonzero(kept if np.count_nonzero(kept) <= most else _extremes(lines))
+
+
+def _extremes(lines: Floats) -> np.ndarray:
+    """Whether rows (n,) have the least or the largest of a line, among so many rows that half of them stay at most."""
+    part = np.arange(len(lines)) // (4 * lines.shape[1])
+    kept = np.zeros(len(lines), np.bool_)
+    kept[[0, -1]] = True
+    for line in lines.T:
+        order = np.lexsort((line, part))
+        first = np.searchsorted(part, np.arange(part[-1] + 1))
+        kept[order[first]] = kept[order[[*(first[1:] - 1), -1]]] = True
+    return kept

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from contactlab_rerun.recorder import Rerun
 
 MOST_TRACKS = 12  # in the view of a comparison
-MESHES = 0.4e6  # bytes of all meshes and their lines in a recording, if the scene does not say which frames are drawn
+MESHES = 0.25e6  # bytes of all meshes and their lines in a recording, if the scene does not say which frames are drawn
 
 
 class TimelineFile:
@@ -107,7 +107,7 @@ class TimelineFile:
             log_iterations(self.recording, run, appearance)
             log_page(self.recording, run, appearance, summary)
             if not several:
-                log_tables(self.recording, run, appearance)
+                log_tables(self.recording, run, appearance, shown[0].frames)
         self.recording.send_recording_name(self.runs[0][0].layout.title)
         if not several and (window := self.runs[0][0].window()):
             self.recording.send_property(OPENS, rr.AnyValues(step=window[1]))
@@ -130,14 +130,15 @@ class TimelineFile:
         shown = []
         for run, appearance, writer in self.runs:
             outline = appearance.colour if len(self.runs) > 1 else OUTLINE
-            Drawing(self.recording, run, appearance, scale, outline, self._wired(run), self._room).draw()
+            drawing = Drawing(self.recording, run, appearance, scale, outline, self._wired(run), self._room)
+            drawing.draw()
             box = np.asarray(low, float), np.asarray(high, float)
             if run.layout.contacts:
                 log_state_key(self.recording, appearance.path, *box, run.frictional, scale.distance)
             if self.options.field != NO_FIELD:
                 label = _label(self.options.field, run.layout.units)
                 box = log_colour_bar(self.recording, appearance.path, label, field, *box, scale.distance)
-            shown.append(Shown(appearance, run, box, writer.shown()))
+            shown.append(Shown(appearance, run, box, writer.shown(), drawing.frames))
         return shown
 
     @property
