@@ -17,14 +17,14 @@ STEP_BYTES = 11.0  # of a step, per scalar
 
 @dataclass(frozen=True)
 class Rerun(Recorder):
-    """Writes `timeline.rrd`: scalars and contact record of every step; the deformed mesh at stored frames.
+    """Writes `timeline.rrd`: lines through the scalars and pictures of the contact record of every step; deformed meshes.
 
     write      when: "run", at the end of the run; "view", at the first look (`contactlab view`), from
                `results.vtkhdf`, so that a run does no work for it (one that stores no results writes it itself)
     field      what colours the mesh: von_mises or (hydrostatic) pressure [MPa], an internal variable of the laws such
                as plastic_strain, or "none"
     every      1: every stored frame is drawn, 2: every other one, ... (the last one always); "auto": as many as fit
-               into 0.4 MB, at least 20; curves, tracks and events are then those of all frames
+               into 0.25 MB, at least 12; curves, tracks and events are then those of all frames
     wire       draw the sides of all cells; "auto": where there are few enough to be told apart
     lanes      slave nodes of each contact whose state has a track of its own
     panel      show the panel alone whose name has this in it; by default all of them
