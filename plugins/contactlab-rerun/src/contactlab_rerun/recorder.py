@@ -17,7 +17,7 @@ STEP_BYTES = 11.0  # of a step, per scalar
 
 @dataclass(frozen=True)
 class Rerun(Recorder):
-    """Writes `timeline.rrd`: lines through the scalars and pictures of the contact record of every step; deformed meshes.
+    """Writes `timeline.rrd`: lines of scalars and pictures of the contact record over all steps, and deformed meshes.
 
     write      when: "run", at the end of the run; "view", at the first look (`contactlab view`), from
                `results.vtkhdf`, so that a run does no work for it (one that stores no results writes it itself)
