@@ -415,7 +415,7 @@ def again(run: Results, folder: Path, **options: Any) -> Reader:
 
 
 def test_recordings_of_the_run_and_of_its_results_are_the_same(run: Results, reader: Reader, tmp_path: Path) -> None:
-    """Entities, components, timelines, rows; numbers as far as the results keep them (20 bits of places, 14 of fields).
+    """Entities, components, timelines, rows; numbers as far as the results keep them (16 bits of places, 12 of fields).
 
     `reader` has what was gathered while the run went on.
     """

@@ -103,6 +103,7 @@ class Column:
             limits = (None, *(n or None for n in shape))  # chunks have to fit into them, those of empty rows as well
             group.create_dataset(name, (0, *shape), maxshape=limits, dtype=dtype, chunks=chunk, dcpl=plist)
         self.dataset = h5py.Dataset(h5py.h5d.open(group.id, name.encode(), _uncached()))
+        self.first = self.dataset.chunks[0]  # entries of a chunk
         self.dtype = self.dataset.dtype  # of a file that was begun with another one, that one
         self.sum = 0
         self.room = len(self.dataset) // max(1, height)
@@ -124,7 +125,7 @@ class Column:
         """From here on write to the file with this descriptor, where HDF5 has allocated the chunks."""
         if self.dataset.chunks[1:] != self.shape or self.dataset.id.get_create_plist().get_nfilters():
             return
-        first, self.descriptor = self.dataset.chunks[0], descriptor
+        first, self.descriptor = self.first, descriptor
         found = self.places = np.full(-(-len(self.dataset) // first), -1, np.int64)
 
         def note(chunk: Any) -> None:
@@ -148,7 +149,7 @@ class Column:
 
     def _placed(self, begin: int, data: np.ndarray) -> bool:
         """Write entries from `begin` on to their chunks; False where HDF5 has not said where one is."""
-        first, end = self.dataset.chunks[0], begin + len(data)
+        first, end = self.first, begin + len(data)
         for chunk in range(begin // first, -(-end // first)):
             if self.places[chunk] < 0:
                 return False

@@ -6,8 +6,11 @@ import numpy as np
 
 from contactlab.api.frame import Iterate
 from contactlab.model.implicit_model import ImplicitModel
-from contactlab.results.precision import PLACES, placed
+from contactlab.results.precision import placed
 from contactlab.results.record_plan import IteratePlan
+
+PLACES = 20
+"""Bits of displacements, of the largest: iterations that converge differ little."""
 
 
 class IterateSampler:

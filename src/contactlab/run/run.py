@@ -148,11 +148,11 @@ class Run:
         mean = (counts.sweeps - counts.sweeps_stored) / max(1, self.model.state.step - last)
         counts.sweeps_stored = counts.sweeps
         self.journal.add(take_sample(self.model, self.journal.frames, mean, self.schedule.fraction()))
+        self.clock.recording_s += perf_counter() - began
         self.monitor.examine_frame()
         self.tell_warnings()
         if self.last_steps is not None:
             self.last_steps.judged(self.journal, self.kept)
-        self.clock.recording_s += perf_counter() - began
 
     def judge(self) -> None:
         """Judge the end of the run; see `contactlab.run.judgement`."""
