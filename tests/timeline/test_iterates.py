@@ -14,9 +14,9 @@ from contactlab.errors import RequestError
 from contactlab.implicit.iteration import NewtonIteration
 from contactlab.results.iterate_sampler import IterateSampler
 from contactlab.results.load import load_results
+from contactlab.results.precision import PLACES
 from contactlab.results.record_plan import IteratePlan, iterate_bytes
 from contactlab.results.result_file import FILE
-from contactlab.results.precision import PLACES
 from contactlab.results.results import Results
 from contactlab.run.simulation import simulate
 

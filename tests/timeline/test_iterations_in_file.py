@@ -47,13 +47,13 @@ def test_a_file_without_active_sets_is_read_and_taken_up(
     small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As files were before: what is missing is empty, and rows are whole."""
+    monkeypatch.setattr("contactlab.run.restart.RESUMABLE", ("timed-out",))
+    monkeypatch.setattr("contactlab.results.vtkhdf.RESUMABLE", ("timed-out",))
     with monkeypatch.context() as before:
         before.setattr("contactlab.implicit.iteration.Iteration", lambda *row: Iteration(*row[:7]))
         begun = simulate(small_scene(STATICS), tmp_path / "run", work=9)
         assert begun.status == "timed-out"
         assert {row.statuses for row in begun.iterations} == {""}
-    monkeypatch.setattr("contactlab.run.restart.RESUMABLE", ("timed-out",))
-    monkeypatch.setattr("contactlab.results.vtkhdf.RESUMABLE", ("timed-out",))
     rows = simulate(small_scene(STATICS), tmp_path / "run", resume=True).iterations
     known = [bool(row.statuses) for row in rows]
     assert not known[0]
