@@ -9,6 +9,7 @@ import numpy as np
 
 from contactlab.api import Floats
 from contactlab.missing_effects.bending import bending_detectors
+from contactlab.missing_effects.leaning_forces import leaning_detectors
 from contactlab.missing_effects.locking import locking_detectors
 from contactlab.missing_effects.missing_effect import Detector
 from contactlab.missing_effects.overlap import overlap_detectors
@@ -20,7 +21,9 @@ from contactlab.model.model import Model
 if TYPE_CHECKING:
     from contactlab.scene.scene import Scene
 
-DETECTORS = (strain_detectors, locking_detectors, quasi_static_detectors, side_detectors, overlap_detectors)
+DETECTORS = (
+    strain_detectors, locking_detectors, quasi_static_detectors, side_detectors, leaning_detectors, overlap_detectors,
+)  # fmt: skip
 # their energies are small in early frames, and shares of them mean nothing there
 AT_THE_END = (bending_detectors, work_detectors)
 KEY = "looks"  # in checkpoints: files keep their names

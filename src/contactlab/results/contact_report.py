@@ -23,7 +23,7 @@ BALANCED = 0.1  # of the sum of nodal forces: a resultant below it says how they
 class ContactReport:
     """Curve and scalars of one contact.
 
-    resultant          (2,) [N] sum of the nodal forces on the slave
+    resultant          (2,) [N] sum of normal and tangential forces on the slave, along its normals
     pressure_integral  (2,) [N] integral of pressure and shear over the deformed slave chain
     covered_integral   (2,) [N] the same where each node counts with the share of its length that is covered
     max_penetration    [mm] of either side's nodes and segment middles into the other side

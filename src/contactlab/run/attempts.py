@@ -56,7 +56,7 @@ class Attempt:
     @property
     def brief(self) -> str:
         """How it ended, and the first clause of the reason."""
-        ended = "stabilised too much" if self.status == FINISHED else self.status
+        ended = "came short" if self.status == FINISHED else self.status
         cost = f" ({self.cpu_s:.2g} CPU s)" if self.reached else ""
         return f"{self.use} {ended}: {self.reason.partition(';')[0].partition(' (')[0]}{cost}"
 
@@ -145,10 +145,12 @@ def comes_short(summary: Mapping[str, Any]) -> str:
     """Why another integrator should be tried; empty if the run is right, or if another one would not help."""
     if summary["status"] in NEXT:
         return str(summary["reason"])
-    took = summary.get("stabilisation", {})
-    if summary["status"] != FINISHED or not abs(took.get("share", 0.0)) > TOO_MUCH:
+    if summary["status"] != FINISHED:
         return ""
-    return f"stabilisation took {took['share']:.1%} of the work, in {took['steps']:.0f} load steps"
+    took = summary.get("stabilisation", {})
+    if abs(took.get("share", 0.0)) > TOO_MUCH:
+        return f"stabilisation took {took['share']:.1%} of the work, in {took['steps']:.0f} load steps"
+    return next((str(w["text"]) for w in summary.get("warnings", ()) if w["code"] == "leaning-forces"), "")
 
 
 def as_taken(scene: Scene, summary: Mapping[str, Any]) -> Scene:

@@ -46,8 +46,12 @@ def test_an_attempt_is_told_in_a_clause() -> None:
     assert integrator(chosen) == f"implicit-dynamics; {STOPPED.brief}"
 
 
-def test_a_run_comes_short_by_its_status_or_by_its_stabilisation() -> None:
+def test_a_run_comes_short_by_its_status_its_stabilisation_or_forces_that_lean() -> None:
     assert comes_short({"status": "finished", "reason": ""}) == ""
+    codes = {"slower-loading": "", "leaning-forces": "forces differ"}
+    for code, reason in codes.items():
+        warned = {"warnings": [{"code": code, "text": "forces differ"}]}
+        assert comes_short({"status": "finished", "reason": "", **warned}) == reason
     assert comes_short({"status": "diverged", "reason": "too fast"}) == "too fast"
     # another integrator would not help
     for status in ("failed", "interrupted", "timed-out"):
