@@ -32,8 +32,9 @@ class Shape(NamedTuple):
 
 def shape_of(part: Any) -> Shape:
     """The shape of the basis of a `SegmentContact` on a segment that is covered all along."""
-    basis = formulas_of(type(part))["basis"]
-    given = {"covered": Covered(0.0, 1.0), "p": parameters_of(type(part))(*values_of(part).ravel())}
+    kind = part.__class__
+    basis = formulas_of(kind)["basis"]
+    given = {"covered": Covered(0.0, 1.0), "p": parameters_of(kind)(*values_of(part).ravel())}
     return pieces_of(lambda xi: basis.plain(*({"xi": xi, **given}[name] for name in basis.arguments)))
 
 
