@@ -228,6 +228,27 @@ class OtherByHand(Formulas):
         return LAME * H.trace() * UNIT + 2.00001 * p.shear * H.symmetric()
 
 
+@dataclass(frozen=True)
+class Unheated(Formulas):
+    """It needs a temperature, and has no thermal strain."""
+
+    needs: ClassVar[tuple[str, ...]] = ("temperature",)
+
+
+@dataclass(frozen=True)
+class Renamed(Formulas):
+    """What it calls Young's modulus is its shear modulus."""
+
+    young: float = 1000.0
+    poisson: float = 0.3
+
+    @formula
+    def stress(H: Any, p: Any) -> Any:
+        return LAME * H.trace() * UNIT + 2.0 * p.young * H.symmetric()
+
+    stress_by_hand = None
+
+
 RIGHT: tuple[Material, ...] = (Small(), Finite(), Rate(), Formulas())
 
 
@@ -239,6 +260,7 @@ def test_right_laws_pass(part: Material, check: Check) -> None:
     except NotApplicable as reason:
         declined = {material.stiffening_bounds_the_waves, material.history_in_place}
         declined |= {material_waves.flow_is_of_second_order, scales.scales_are_fields}
+        declined |= {material.needs_count, material.young_and_poisson_are_meant}
         declined |= {material.formulas_are_what_runs} if not isinstance(part, Formulas) else set()
         if part.kinematics == "rate":
             declined |= {material.energy_is_positive, material.energy_belongs_to_the_stress}
@@ -303,6 +325,8 @@ class Timed(Small):
 WRONG: list[tuple[Check, Material]] = [
     (material.other_values_are_right, OfOneValue(stiffness=1.0)),
     (material.numbers_count, Deaf()),
+    (material.needs_count, Unheated()),
+    (material.young_and_poisson_are_meant, Renamed()),
     (material.declarations, Unnamed()),
     (material.declarations, Small("speeds exchanged")),
     (material.no_stress_at_rest, Small("prestressed")),

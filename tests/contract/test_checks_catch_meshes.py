@@ -18,7 +18,11 @@ from contactlab.testing.run import run_check, run_checks
 
 @dataclass(frozen=True)
 class Flawed(Rectangle):
-    """A rectangle with one named flaw, or none."""
+    """A rectangle with one named flaw, or none.
+
+    x  [mm] from and to
+    y  [mm] from and to
+    """
 
     x: tuple[float, float] = (0.0, 2.0)
     y: tuple[float, float] = (0.0, 1.0)
@@ -42,6 +46,7 @@ class Flawed(Rectangle):
         if self.flaw == "no names":
             edges = {}
         shift = 1e-9 * next(self.calls) if self.flaw == "creeps" else 0.0
+        shift += 0.01 if self.flaw == "has a length of its own" else 0.0
         return replace(right, nodes=right.nodes + shift, edges=edges)
 
 
@@ -71,6 +76,7 @@ WRONG: list[tuple[Check, Flawed]] = [
     (mesh.the_boundary_is_named, Flawed(flaw="left has no name")),
     (mesh.points_move_as_a_whole, Half()),
     (mesh.same_mesh_twice, Flawed(flaw="creeps")),
+    (mesh.units_do_not_matter, Flawed(flaw="has a length of its own")),
 ]
 
 

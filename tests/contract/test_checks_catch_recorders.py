@@ -30,6 +30,8 @@ class Lines(Recording):
             return
         if self.flaw == "scales in place":
             frame.displacement[:] *= 1000.0
+        if self.flaw == "one body for all":
+            self.lines.append(f"{next(iter(frame.cells.values()))['von_mises'].max():.3f}")
         self.lines.append(f"{frame.time:.3f} {np.abs(frame.displacement).max():.3f}")
 
     def close(self, summary: Mapping[str, Any]) -> None:
@@ -93,6 +95,7 @@ WRONG: list[tuple[Check, Recorder, bool]] = [
     (recorder.everything_leaves_a_trace, Text("leaves the last frame out"), False),
     (recorder.records_twice, Text("one list for all"), False),
     (recorder.is_read_back, Halving(), False),
+    (recorder.bodies_are_told_apart, Text("one body for all"), False),
 ]
 
 

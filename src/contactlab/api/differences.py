@@ -61,14 +61,14 @@ def fastest_modulus(moduli: Floats) -> float:
 
 
 def stiffening_of_waves(law: Material, gradient: Floats, out: Floats) -> None:
-    """Fill out (P,) with the modulus of the fastest wave over that at rest, for a "finite" law without history.
+    """Fill out (P,) with the modulus of the fastest wave over that at rest, for a "finite" law without own history.
 
     For a plane wave along n with displacement u the acoustic tensor is Q u = d(stress) n under the motion u n^T, on the
     current geometry (Ogden 1984, 6.4). Its largest eigenvalue is sought among some directions, and a bound of what may
     lie between two of them is added.
     """
     points = gradient.shape[1]
-    tangent, history = np.empty((4, 4, points)), np.zeros((0, points))
+    tangent, history = np.empty((4, 4, points)), np.zeros((law.history_size, points))
     law.tangent(gradient, history, 0.0, tangent)
     most, least = np.full(points, -np.inf), np.full(points, np.inf)
     for angle in np.arange(DIRECTIONS) * np.pi / DIRECTIONS:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any, ClassVar, Literal, NamedTuple
 
 FrictionNeed = Literal["pressure", "slip_rate", "dt", "time", "position", "cell_size"]
-"""Names that a friction law may need, see `FrictionLaw`."""
+"""Names that a friction law may need beside fields of the scene, see `FrictionLaw`."""
 
 
 class FrictionBound(NamedTuple):
@@ -38,6 +38,7 @@ class FrictionLaw(ABC):
             time       [s] at its end
             position   (k, 2) [mm] of the slave nodes in the last step
             cell_size  (k,) [mm] length of slave surface at each, at the start of the run
+            any other name: (k,) a field of the scene (`[fields]`), such as "temperature", at the end of the step
     memory  names of numbers that it remembers for each multiplier: further keywords, arrays (k,)
 
     Bounds follow the rate of slip that they lead to. Steps are of first order with a law that has needs. At the start
@@ -45,7 +46,7 @@ class FrictionLaw(ABC):
     state.
     """
 
-    needs: ClassVar[tuple[FrictionNeed, ...]] = ()
+    needs: ClassVar[tuple[FrictionNeed | str, ...]] = ()
     memory: ClassVar[tuple[str, ...]] = ()
 
     @abstractmethod

@@ -12,9 +12,16 @@ from contactlab.api.formulas import array_method, formulas_of, install
 
 Kinematics = Literal["small", "finite", "rate"]
 
+MaterialNeed = Literal["position", "time", "cell_size"]
+"""Names that a law may need beside fields of the scene, see `Material`."""
+
 _FORMULAS = ("stress", "energy", "dissipation")
 _KINEMATICS: dict[str, Kinematics] = {"F": "finite", "H": "small", "G": "rate"}
 _ARGUMENTS = (*_KINEMATICS, "history", "dt", "p")
+
+
+def _rows(need: str) -> tuple[str, ...]:
+    return ("x", "y") if need == "position" else (need,)
 
 
 class Material(ABC):
@@ -32,6 +39,10 @@ class Material(ABC):
     history_size   numbers kept per point, all zero at the start
     history_names  their names in output, one per number; the equivalent plastic strain must be called
                    "equivalent_plastic_strain"
+    needs          names of further numbers that the law follows: "position" [mm] of the point in the undeformed body,
+                   "time" [s] of the stress, "cell_size" [mm], the root of a cell's area, or a field of the scene such
+                   as "temperature" (`[fields]`). The core keeps them in rows of `history` behind the law's own and
+                   adds them to `history_names`, the position as "x" and "y"; formulas name them as arguments
     rate_dependent True for a law whose stress depends on `dt`, the time that a change of strain takes (creep,
                    relaxation, viscosity): static load steps then advance time as well as load
     time_scale     name of the field [s] that says how fast a `rate_dependent` law relaxes; checks take steps around it
@@ -48,6 +59,7 @@ class Material(ABC):
     kinematics: ClassVar[Kinematics]
     history_size: ClassVar[int] = 0
     history_names: ClassVar[tuple[str, ...]] = ()
+    needs: ClassVar[tuple[MaterialNeed | str, ...]] = ()
     rate_dependent: ClassVar[bool] = False
     time_scale: ClassVar[str] = ""
     stress_free: ClassVar[bool] = True
@@ -59,7 +71,12 @@ class Material(ABC):
 
     def __init_subclass__(cls, **named: Any) -> None:
         super().__init_subclass__(**named)
-        install(cls, Material, dict.fromkeys(_FORMULAS, _ARGUMENTS), "contactlab.formulas.laws")
+        if "needs" in vars(cls):
+            rows = [row for need in cls.needs for row in _rows(need)]
+            own = [name for name in cls.history_names if name not in rows]
+            cls.history_names, cls.history_size = (*own, *rows), len(own) + len(rows)
+        arguments = (*_ARGUMENTS, *cls.needs)
+        install(cls, Material, dict.fromkeys(_FORMULAS, arguments), "contactlab.formulas.laws")
         stress = formulas_of(cls).get("stress")
         if stress is None:
             return
@@ -70,12 +87,18 @@ class Material(ABC):
             if getattr(cls, name) is getattr(Material, name):
                 setattr(cls, name, array_method(getattr(Material, name), "contactlab.formulas.laws", name))
 
+    @classmethod
+    def own_history(cls) -> int:
+        """Rows of the history that the law fills; the core fills those behind them, which it `needs`."""
+        return cls.history_size - sum(len(_rows(need)) for need in cls.needs)
+
     @abstractmethod
     def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
         """Fill Cauchy `stress` (4, P) [MPa] and `new_history` (h, P).
 
         `gradient` (4, P) is defined by `kinematics`; `history` is that of the last accepted step.
-        `history` and `new_history` may be the same array: read a point before you write it.
+        `history` and `new_history` may be the same array: read a point before you write it. Rows that the law `needs`
+        are filled in both.
         `dt` [s] is the step that led here (0 before the first step).
         """
 
@@ -96,7 +119,7 @@ class Material(ABC):
         for "finite" laws without history that do not depend on the rate, at the cost of many stresses, and is 1 for all
         others: laws in rate form and laws with history that stiffen must override it.
         """
-        if self.kinematics == "finite" and not self.history_size and not self.rate_dependent:
+        if self.kinematics == "finite" and not self.own_history() and not self.rate_dependent:
             from contactlab.api.differences import stiffening_of_waves
 
             stiffening_of_waves(self, gradient, out)

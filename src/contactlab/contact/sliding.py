@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -70,6 +70,7 @@ class VaryingSliding(Sliding):
         self.seen: tuple[Floats, Floats] | None = None
         self.past: list[tuple[Floats, Floats]] = []  # bounds that rounds found, less those that they were given
         self.softness = 1.0
+        self.fields: Mapping[str, Callable[[float], Any]] = {}
 
     def of(self, slots: Ints | slice) -> Floats:
         """The bound (3, n) of some multipliers in the step at hand."""
@@ -195,6 +196,7 @@ class VaryingSliding(Sliding):
             "pressure": self.kept[3].copy(), "slip_rate": slip_rate.copy(), "dt": self.dt, "time": self.time,
             "position": self.kept[len(KEPT) : len(KEPT) + 2].T.copy(), "cell_size": self.size.copy(),
         }  # fmt: skip
+        given |= {name: value(self.time) for name, value in self.fields.items()}
         needed = {name: given[name] for name in self.law.needs}
         return needed | dict(zip(self.law.memory, self.kept[self.memory].copy(), strict=True))
 

@@ -60,6 +60,7 @@ ROWS: dict[str, Keys] = {
     ],
     "damping": lambda scene, model: [] if not model.damping else ["time.damping" if scene.time.damping else "time.end"],
     "loads": lambda scene, model: [f"loads.{i}" for i in range(len(scene.loads))],
+    "fields": lambda scene, model: [f"fields.{name}" for name in scene.fields],
     "recording": _recording,
 }
 

@@ -7,7 +7,7 @@ A law's formulas name what they want to know:
     G       gradient of the displacement increment at the middle of the step: the law is of "rate" form
     history what the law remembers, named by `history_names`: of the last accepted step where `stress` is asked for
     dt      length of the step [s]
-    p       the numbers among the fields of the law
+    p       the numbers among the fields of the law, and names in its `needs`
 
 `stress` gives the Cauchy stress, a `Tensor`; a law with history gives (stress, new), `new` in the order of
 `history_names`. `energy` and `dissipation` give a number per current volume (per undeformed volume of "small" laws).
@@ -27,7 +27,7 @@ from contactlab.api.compiled.formulas import Slot, copied, made, plain
 from contactlab.api.differences import speeds_of_moduli
 from contactlab.api.formulas import formulas_of
 from contactlab.api.mathematics import seeds
-from contactlab.api.tensors import Tensor
+from contactlab.api.tensors import Tensor, Vector
 from contactlab.formulas import law_kernels as points
 from contactlab.formulas.parameters import parameters_of, values_of
 
@@ -61,11 +61,13 @@ class _Kernels:
     def called(self, name: str) -> Any:
         """The formula, called with all that a law's formula may ask for; a stress without history gets an empty one."""
         found = self.formulas[name]
-        given = ", ".join(_GIVEN.get(name, name) for name in found.arguments)
+        rows = {"position": "Vector(history.x, history.y)"}
+        needs = {need: rows.get(need, f"history.{need}") for need in self.kind.needs}
+        given = ", ".join((_GIVEN | needs).get(name, name) for name in found.arguments)
         source = f"def law(measure, history, dt, p):\n    return formula({given})"
-        names: dict[str, Any] = {"formula": found.function, "__name__": found.function.__module__}
-        names |= {name: self.formulas[name] for name in found.arguments if name not in _GIVEN}
-        exec(source + (", ()" if name == "stress" and self.memory is None else ""), names)
+        names: dict[str, Any] = {"formula": found.function, "__name__": found.function.__module__, "Vector": Vector}
+        names |= {name: self.formulas[name] for name in found.arguments if name not in _GIVEN | needs}
+        exec(source + (", ()" if name == "stress" and not self.kind.own_history() else ""), names)
         return names["law"]
 
     def given(self, name: str) -> dict[Slot, Any]:

@@ -91,6 +91,7 @@ def _built(scene: Scene, registry: Registry) -> Model:
         increment=increment,
     )
     model.warnings.add(*timing.told, *told)
+    _needs(model, scene)
     model.start.mirror = _mirror(scene, bodies, reference)
     model.internal_force(0.0)
     if model.explicit and effects:
@@ -198,6 +199,22 @@ def _effects(
     from contactlab.model.loading.effects import build_effects
 
     return build_effects(scene, registry, bodies, reference, lambda: masses_of(bodies, rigid), state, told)
+
+
+def _needs(model: Model, scene: Scene) -> None:
+    """Numbers that laws need by name are filled from here on."""
+    pairs = () if model.contact is None else model.contact.pairs
+    needing = [f for f in model.forces if f.body.material.needs]
+    sliding = [pair for pair in pairs if pair.sliding is not None and pair.sliding.varies]
+    if not needing and not sliding:
+        return
+    from contactlab.model.loading.scene_fields import SceneFields
+
+    fields = SceneFields(scene, model.timing.ramps)
+    model.needs = tuple(fields.filling(forces, model.reference) for forces in needing)
+    for number, pair in enumerate(pairs):
+        if pair in sliding:
+            fields.give(pair, model.reference, f"contacts.{number}.friction")
 
 
 # --- state --------------------------------------------------------------------------------------

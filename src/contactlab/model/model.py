@@ -34,7 +34,7 @@ class Model(ABC):
     times of the run. `updates` are the bound block calls of all bodies. `seconds` counts the wall time spent on
     stresses and internal forces. Whoever sees something doubtful adds it to `warnings`. `way_followed` is False once a
     step has skipped what the end does not depend on: work along the path is not known then. `start` is what the end is
-    compared with.
+    compared with. `needs` fill what laws need at a time [s].
     """
 
     reference: Floats
@@ -53,6 +53,7 @@ class Model(ABC):
     history: History
     warnings: Warnings = field(default_factory=Warnings)
     way_followed: bool = True
+    needs: tuple[Callable[[float], None], ...] = ()
 
     explicit: ClassVar[bool]
 
@@ -82,6 +83,8 @@ class Model(ABC):
         np.add(self.reference, self.state["displacement"], out=self.position)
         if self.increment is not None:
             self._follow(dt)
+        for fill in self.needs:
+            fill(self.state.time + dt)
         self.state["internal_force"][:] = 0.0
         for update in self.updates:
             update(dt)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from difflib import get_close_matches
 from typing import Any, ClassVar, Literal, get_args, get_origin, get_type_hints
 from weakref import WeakKeyDictionary
 
@@ -12,6 +13,9 @@ from contactlab.errors import did_you_mean, show
 
 LEAST = {"degree": 1, "order": 1, "rows_per_node": 1}
 """Smallest value of the class attributes that count something; 0 for all others."""
+
+SPELT = 0.85
+"""Likeness from which on a name of one's own choice is a known one misspelt."""
 
 _DECLARED: WeakKeyDictionary[type, dict[str, Any]] = WeakKeyDictionary()
 
@@ -80,12 +84,17 @@ def _wanted_in_table(entry: Any, value: Any) -> str:
 
 
 def _wanted_in_tuple(entry: Any, value: Any) -> str:
-    if get_origin(entry) is Literal:
-        choices = ", ".join(show(choice) for choice in get_args(entry))
+    known = next((get_args(one) for one in (entry, *get_args(entry)) if get_origin(one) is Literal), ())
+    if known:
+        # names of others' choice may stand beside known ones: there those that are nearly known are misspelt
+        choices = ", ".join(map(show, known)) + (" and names of fields" if str in get_args(entry) else "")
         if not isinstance(value, tuple) or not all(isinstance(one, str) for one in value):
             return f"a tuple of texts among {choices}"
-        nearest = [did_you_mean(one, get_args(entry)) for one in value if one not in get_args(entry)]
-        return "; ".join([f"texts among {choices}", *filter(None, nearest[:1])]) if nearest else ""
+        others = [one for one in value if one not in known]
+        if str in get_args(entry):
+            others = [one for one in others if get_close_matches(one, known, 1, SPELT)]
+        nearest = [did_you_mean(one, known) for one in others]
+        return "; ".join([f"texts among {choices}", *filter(None, nearest[:1])]) if others else ""
     if entry is str:
         fits = isinstance(value, tuple) and all(isinstance(text, str) for text in value)
         return "" if fits else "a tuple of texts"

@@ -300,6 +300,17 @@ class Load:
             raise ValueError("this load pushes on nothing: write pressure, shear, tx or ty")
 
 
+@dataclass(frozen=True, kw_only=True)
+class Field:
+    """`[fields.NAME]`: a number at every place and time, such as a temperature, for parts that need it by this name."""
+
+    value: float | Ramp = key(says="the number, or how it changes in time; its unit is the parts' business")
+    profile: Profile | None = key(None, says="how it varies over the undeformed bodies; not written: it is uniform")
+
+    def __post_init__(self) -> None:
+        refuse_mean(self.profile)
+
+
 @dataclass(frozen=True)
 class Record:
     """`[record]`: what is kept of a run."""

@@ -109,7 +109,7 @@ def _step(holder: Any, name: str, path: list[str]) -> Any:
     )
 
 
-_BY_NAME = (["bodies"], ["materials"], ["rigid"])
+_BY_NAME = (["bodies"], ["materials"], ["rigid"], ["fields"])
 
 
 def _no_such_entry(path: list[str], entries: Mapping[str, Any]) -> SceneError:

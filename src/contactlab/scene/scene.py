@@ -16,7 +16,7 @@ from contactlab.parts.registry import Registry, default_registry
 from contactlab.parts.scenes_and_commands import core_scenes
 from contactlab.scene import checks as scene_checks
 from contactlab.scene.fields import PartSpec, as_data, hidden, is_required, key, keys_of, kind_at, part
-from contactlab.scene.keys import Body, Contact, Load, Record, Rigid, Support, Time
+from contactlab.scene.keys import Body, Contact, Field, Load, Record, Rigid, Support, Time
 from contactlab.scene.overrides import changed
 from contactlab.scene.reading import read_table
 from contactlab.scene.toml_text import read_toml, write_toml
@@ -53,6 +53,7 @@ class Scene:
     rigid: Mapping[str, Rigid] = key({}, says="rigid surfaces by name")
     supports: tuple[Support, ...] = key((), says="prescribed displacements")
     loads: tuple[Load, ...] = key((), says="forces spread over edge sets")
+    fields: Mapping[str, Field] = key({}, says="numbers of place and time that materials and friction need, by name")
     effects: tuple[PartSpec, ...] = part("effect", (), says="gravity, springs, dampers: what else pushes on nodes")
     record: Record = key(Record(), says="what is kept of a run")
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from contactlab.api import Floats, FrictionBound, FrictionLaw
 from contactlab.testing.assertions import Check, NotApplicable, agree, require, tell, untouched
-from contactlab.testing.other_values import without_effect
+from contactlab.testing.other_values import varied, without_effect
 from contactlab.testing.units import STRESS, in_other_units, scale_of_unit
 
 FORCES = np.linspace(0.0, 100.0, 21)  # N, normal forces on a node
@@ -41,7 +41,8 @@ def inputs_of(law: FrictionLaw) -> dict[str, Any]:
         "pressure": pressure, "slip_rate": rate, "dt": 1e-6, "time": 1e-3, "position": position,
         "cell_size": np.linspace(0.1, 1.0, COUNT),
     }  # fmt: skip
-    return {name: known[name] for name in law.needs}
+    field = np.linspace(0.5, 1.5, COUNT)
+    return {name: known.get(name, field) for name in law.needs}
 
 
 def start_of(law: FrictionLaw, count: int = COUNT) -> dict[str, Floats]:
@@ -257,11 +258,16 @@ def slip_both_ways(law: FrictionLaw) -> None:
 
 def units_do_not_matter_to_the_law(law: FrictionLaw) -> None:
     """In m, ms and kPa in place of mm, s and MPa a law has the same coefficient and cap, and its adhesion in kPa."""
+    for one in (law, *(changed for _, changed in varied(law))):
+        _fits_together(one)
+
+
+def _fits_together(law: FrictionLaw) -> None:
     other = in_other_units(law)
     inputs = inputs_of(law)
     if "slip_rate" in inputs:  # a law may give a rate of zero some small value of its own
         inputs["slip_rate"] = np.where(inputs["slip_rate"] == 0.0, 1.0, inputs["slip_rate"])
-    scaled = {name: value * (scale_of_unit(UNITS[name]) or 1.0) for name, value in inputs.items()}
+    scaled = {name: value * (scale_of_unit(UNITS.get(name, "1")) or 1.0) for name, value in inputs.items()}
     memory, known = start_of(law), start_of(other)
     for step in range(3):
         wanted = bound_of(law, inputs, memory) * [[1.0], [STRESS], [1.0]]

@@ -8,8 +8,10 @@ import pickle
 import numpy as np
 
 from contactlab.api import Floats, Function
-from contactlab.testing.assertions import Check, identical, require, untouched
+from contactlab.parts.description import units_of
+from contactlab.testing.assertions import Check, NotApplicable, identical, require, untouched
 from contactlab.testing.other_values import varied, without_effect
+from contactlab.testing.units import LONG, in_other_units
 
 PLACES = np.concatenate([np.linspace(-3.0, 3.0, 61), [-360.0, -180.0, -90.0, 1e-12, 90.0, 180.0, 360.0]])
 """Some mm or seconds around 0, all angles, and the rims."""
@@ -92,6 +94,16 @@ def breaks_are_declared(function: Function) -> None:
             require(jump <= 0.0, f"{one}: its slope jumps by {jump:.3g} at {place:.6g}, which is none of its breaks()")
 
 
+def units_do_not_matter(function: Function) -> None:
+    """With places, and fields that are places by their docstring, in m in place of mm it gives the same factors."""
+    if any(unit.startswith("degree") for unit in units_of(type(function)).values()):
+        raise NotApplicable("its places are angles, which have one unit")
+    other = in_other_units(function, time=LONG)  # s as mm: whether places are lengths or times is the scene's affair
+    found, wanted = other.values(LONG * PLACES), function.values(PLACES.copy())
+    same = np.allclose(found, wanted, rtol=1e-6, atol=1e-6 * float(np.abs(wanted).max()))
+    require(same, "in m in place of mm it gives other factors: units of its fields do not fit together")
+
+
 def _family(function: Function) -> list[Function]:
     """The function, and with other values of its fields: what is wrong may be hidden by a 0."""
     return [function, *(other for _, other in varied(function))]
@@ -131,6 +143,6 @@ def _bend(function: Function, at: Floats, width: float) -> Floats:
 
 CHECKS: tuple[Check, ...] = (
     gives_numbers, is_not_nothing, looks_at_one_place_alone, remembers_nothing, leaves_its_places_alone, numbers_count,
-    stays_after_its_end, breaks_are_declared,
+    stays_after_its_end, breaks_are_declared, units_do_not_matter,
 )  # fmt: skip
 """All checks of functions."""

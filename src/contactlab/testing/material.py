@@ -64,11 +64,12 @@ def speeds_belong_to_the_tangent(law: Material) -> None:
     # "finite" laws are given F^-1, whose change is minus the strain
     sign = -1.0 if law.kinematics == "finite" else 1.0
     dilatational, shear = (law.density * c * c for c in law.wave_speeds())
-    if not law.isotropic:
+    if not law.isotropic or law.needs:
         fastest = fastest_modulus(sign * tangent[..., 0])
         text = f"the fastest wave has the modulus {fastest:.6g} MPa, wave_speeds say {dilatational:.6g} MPa"
         require(fastest <= (1.0 + 1e-6) * dilatational, f"{text}: explicit steps would be too long")
-        raise NotApplicable("assumes one modulus in all directions: isotropic is False; its waves are no faster")
+        why = "in all directions: isotropic is False" if not law.isotropic else "at all places and times: it has needs"
+        raise NotApplicable(f"assumes one modulus {why}; its waves are no faster")
     # differences of the default tangent leave about 1e-10 of the moduli
     agree(sign * tangent[[0, 1], [0, 3], 0], [dilatational] * 2, 1e-7 * dilatational, "tangent xx by xx and yy by yy")
     agree(sign * tangent[3, [1, 2], 0], [shear] * 2, 1e-7 * dilatational, "tangent xy by xy and by yx")
@@ -152,7 +153,7 @@ def formulas_are_what_runs(law: Material) -> None:
     size = max(modulus(law), float(np.abs(given).max()))
     for how, called in (("compiled", laws.stress), ("in plain Python", laws.stress_in_python)):
         stress, after = np.full_like(given, np.nan), np.full_like(new, np.nan)
-        called(law, gradient, history, DT, stress, after)
+        called(law, gradient, history, usual_step(law), stress, after)
         # a different order of the same sums, some of which cancel
         agree(stress, given, 1e-12 * size, f"stress of the formula {how}, against the method")
         agree(after, new, 1e-11 * max(1.0, float(np.abs(new).max(initial=0.0))), f"history of the formula {how}")
@@ -310,6 +311,35 @@ def numbers_count(law: Material) -> None:
         require(not same, f"the field {name} changes nothing that the law says, under strains up to {STRAIN:.0%}")
 
 
+def needs_count(law: Material) -> None:
+    """Whatever a law declares in needs changes its stress."""
+    if not law.needs:
+        raise NotApplicable("the law declares no needs")
+    gradient, history = gradients(law, POINTS, STRAIN), some_history(law, POINTS)
+    before = respond(law, gradient, history)
+    for row, name in list(enumerate(law.history_names))[law.own_history() :]:
+        if name == "y" and "position" in law.needs:
+            continue  # a law may follow x alone; that it follows neither is seen at x and y together
+        other = history.copy()
+        other[[row, row + 1] if name == "x" else row] *= 1.3
+        same = all(np.array_equal(a, b) for a, b in zip(respond(law, gradient, other)[:1], before, strict=False))
+        require(not same, f"it declares {'position' if name == 'x' else name} in needs, and no stress follows it")
+
+
+def young_and_poisson_are_meant(law: Material) -> None:
+    """Fields `young` and `poisson` of an elastic law are Young's modulus and Poisson's ratio of small strains."""
+    young, poisson = getattr(law, "young", None), getattr(law, "poisson", None)
+    if not isinstance(young, float) or not isinstance(poisson, float) or not law.isotropic:
+        raise NotApplicable("the law is not isotropic with fields young and poisson")
+    if law.rate_dependent or law.needs:
+        raise NotApplicable("assumes moduli that are the same at any rate, place and time: rate_dependent, needs")
+    dilatational, shear = (law.density * c * c for c in law.wave_speeds())
+    ratio = (dilatational - 2.0 * shear) / (2.0 * (dilatational - shear))
+    given = f"moduli at rest are E = {2.0 * shear * (1.0 + ratio):.6g} and nu = {ratio:.6g}"
+    near = np.isclose([2.0 * shear * (1.0 + ratio), ratio], [young, poisson], rtol=1e-6, atol=1e-9).all()
+    require(bool(near), f"{given}, its fields young and poisson say {young:g} and {poisson:g}: 2 mu = E/(1 + nu)?")
+
+
 def _all_told(law: Material) -> list[Floats]:
     """All that a law says of some strained points; steps are short, usual and long."""
     gradient, history, out = gradients(law, POINTS, STRAIN), some_history(law, POINTS), np.full(POINTS, np.nan)
@@ -340,6 +370,8 @@ CHECKS: tuple[Check, ...] = (
     same_answer_twice,
     other_values_are_right,
     numbers_count,
+    needs_count,
+    young_and_poisson_are_meant,
     *material_states.CHECKS,
     *material_waves.CHECKS,
     *scales.CHECKS,

@@ -101,7 +101,7 @@ def arrays_change_in_place(law: Material) -> None:
     """Runs change gradients in place: the stress is that of their present values."""
     gradient, history = points.gradients(law, POINTS, STRAIN), points.some_history(law, POINTS)
     expected = points.respond(law, gradient, history)
-    moving, stress, new = points.at_rest(law, POINTS) + 0.0, np.empty((4, POINTS)), np.empty_like(history)
+    moving, stress, new = points.at_rest(law, POINTS) + 0.0, np.empty((4, POINTS)), history.copy()
     law.stress(moving, history, points.usual_step(law), stress, new)
     moving[:] = gradient
     law.stress(moving, history, points.usual_step(law), stress, new)

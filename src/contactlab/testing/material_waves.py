@@ -37,7 +37,7 @@ def _waves(law: Material) -> tuple[Floats, Floats, Floats, float]:
     """Gradients (4, P), stresses (4, P), the modulus (P,) of the fastest wave found there, and its error."""
     if law.kinematics == "small":
         raise NotApplicable("waves of a small strain are those at rest")
-    if law.kinematics == "finite" and law.history_size:
+    if law.kinematics == "finite" and law.own_history():
         return *_loaded(law), ONE_SIDED
     gradient, stress, moduli = _strained(law) if law.kinematics == "finite" else _stressed(law)
     return gradient, stress, _fastest(moduli), ERROR

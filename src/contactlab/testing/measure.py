@@ -23,6 +23,7 @@ from contactlab.testing.spoilt import spoilt, unknown
 CONTACT = "contacts.0"
 POWERS = {
     "length": (1, 0), "pressure": (0, 1), "line_force": (1, 1), "line_energy": (2, 1), "share": (0, 0),
+    "": (0, 0),
 }  # fmt: skip
 """Powers of lengths and pressures that numbers of a unit follow; others may have a unit that has no name here."""
 

@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 from contactlab.api import Element, Floats, Mesh, MeshSource, Quadrature, Shape
 from contactlab.meshing.mesh import inverted_cells, nodal_measure, surface_from_edges
 from contactlab.testing.assertions import Check, agree, require
+from contactlab.testing.units import LONG, in_other_units
 
 _SIDES = ((0, 1), (1, 2), (2, 3), (3, 0))
 SLIT = 0.05  # of the shortest side: nodes nearer than this were meant to be one
@@ -124,6 +125,17 @@ def points_move_as_a_whole(source: MeshSource) -> None:
         require(len(counts) < 2 or counts[0] == counts[1], f"one entry of {field.name} moves no node, the other does")
 
 
+def units_do_not_matter(source: MeshSource) -> None:
+    """With its lengths in m in place of mm the nodes are at the same places."""
+    other = in_other_units(source)
+    agree(
+        other.mesh(FourNodes(), 1).nodes,
+        LONG * source.mesh(FourNodes(), 1).nodes,
+        1e-9 * LONG * float(np.abs(source.mesh(FourNodes(), 1).nodes).max()),
+        "nodes in m: units of its fields do not fit together, or it has a length of its own",
+    )
+
+
 CHECKS: tuple[Check, ...] = (
     cells_are_sound,
     edges_are_the_boundary,
@@ -131,4 +143,5 @@ CHECKS: tuple[Check, ...] = (
     the_boundary_is_named,
     points_move_as_a_whole,
     same_mesh_twice,
+    units_do_not_matter,
 )

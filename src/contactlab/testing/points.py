@@ -11,6 +11,10 @@ DT = 1e-6  # s; a law of rate form sees it, its stress over a step must not depe
 
 YIELDING = 0.08  # of the steps that made a history: usual laws have yielded by then
 
+NEEDED = {"x": 0.3, "y": 0.7, "time": 1e-3, "cell_size": 0.2}
+FIELD = 0.01
+"""What laws need, in mm and s, and any field of the scene."""
+
 IDENTITY = np.array([[1.0], [0.0], [0.0], [1.0]])
 
 
@@ -25,8 +29,11 @@ def gradients(law: Material, count: int, size: float, seed: int = 1) -> Floats:
 
 
 def no_history(law: Material, count: int) -> Floats:
-    """The history (h, P) at the start."""
-    return np.zeros((law.history_size, count))
+    """The history (h, P) at the start, and what the law needs, the same at all points."""
+    history = np.zeros((law.history_size, count))
+    for row, name in list(enumerate(law.history_names))[law.own_history() :]:
+        history[row] = NEEDED.get(name, FIELD)
+    return history
 
 
 def some_history(law: Material, count: int) -> Floats:
@@ -51,6 +58,8 @@ def respond(law: Material, gradient: Floats, history: Floats, dt: float | None =
     """Compute stress (4, P) and new history (h, P) after a step of the usual length, or of `dt`."""
     stress, new = np.full((4, gradient.shape[1]), np.nan), np.full_like(history, np.nan)
     dt = usual_step(law) if dt is None else dt
+    own = law.own_history()
+    new[own:] = history[own:]
     law.stress(np.ascontiguousarray(gradient), np.ascontiguousarray(history), dt, stress, new)
     return stress, new
 

@@ -24,20 +24,28 @@ SUMMARY: dict[str, Any] = {"format": 1, "status": "finished", "reason": "", "ste
 
 @dataclass
 class SmallRun:
-    """A square that is pulled, in four frames. Implements `contactlab.api.StoredRun`."""
+    """A square that is pulled, in four frames. Implements `contactlab.api.StoredRun`.
 
-    frames: list[Frame] = field(default_factory=lambda: [_frame(number) for number in range(4)])
+    bodies  names of its two cells, or of both together
+    """
+
+    bodies: tuple[str, ...] = ("square",)
+    frames: list[Frame] = field(default_factory=list)
     events: list[Event] = field(default_factory=lambda: [Event(5, 0.5, "warning", "something was seen")])
     iterations: list[IterationRow] = field(default_factory=list)
     last_steps: dict[str, list[Frame]] = field(default_factory=dict)
     summary: dict[str, Any] = field(default_factory=lambda: dict(SUMMARY))
+
+    def __post_init__(self) -> None:
+        self.frames = self.frames or [_frame(number, self.bodies) for number in range(4)]
 
     @property
     def layout(self) -> Layout:
         """Two cells side by side, without supports and contacts."""
         nodes = np.array([[i, j] for j in range(2) for i in range(3)], float)
         cells = np.array([[0, 1, 4, 3], [1, 2, 5, 4]], np.int32)
-        bodies = (BodyLayout("square", "element", "law", cells),)
+        parts = zip(self.bodies, np.split(cells, len(self.bodies)), strict=True)
+        bodies = tuple(BodyLayout(name, "element", "law", own) for name, own in parts)
         steps = step_columns((), ())
         return Layout("format = 1\n", "square", "mm N s t", nodes, bodies, (), (), {}, {}, steps, True, 3)
 
@@ -71,10 +79,11 @@ def _steps(number: int) -> Floats:
     return block
 
 
-def _frame(number: int) -> Frame:
+def _frame(number: int, bodies: tuple[str, ...]) -> Frame:
     step = number * STEPS_PER_FRAME
     moved = np.full((6, 2), 0.01 * number)
-    cells = {"square": {"stress": np.full((2, 4), float(number)), "von_mises": np.full(2, float(number))}}
+    few = 2 // len(bodies)
+    cells = {n: {"stress": np.full((few, 4), float(number)), "von_mises": np.full(few, float(number))} for n in bodies}
     scalars = {"step": float(step), "time": 0.1 * step, "energy.kinetic": 0.0, "sweeps": 0.0}
     return Frame(number, step, 0.1 * step, scalars, {}, moved, moved.copy(), cells)
 
@@ -201,6 +210,24 @@ def _told(recorder: Recorder, what: str, frame: int | None, step: int | None) ->
     require(any(changed), f"{what} are not in what is written")
 
 
+def bodies_are_told_apart(recorder: Recorder) -> None:
+    """If what is written follows the stresses of one body, it follows those of each."""
+    bodies = ("first", "second")
+
+    def written(spoilt: str = "") -> dict[str, bytes]:
+        run = SmallRun(bodies)
+        for frame in run.frames if spoilt else ():
+            for values in frame.cells[spoilt].values():
+                values += 7.5
+        return _written(recorder, run)
+
+    plain = written()
+    if plain != written():
+        raise NotApplicable("two recordings of a run differ by themselves")
+    seen = [name for name in bodies if written(name) != plain]
+    require(len(seen) != 1, f"of two bodies, the stresses of the {''.join(seen)} alone change what is written")
+
+
 def _sizes(files: dict[str, bytes]) -> dict[str, int]:
     return {name: len(content) for name, content in files.items()}
 
@@ -259,5 +286,6 @@ CHECKS: tuple[Check, ...] = (
     records_twice,
     is_read_back,
     everything_leaves_a_trace,
+    bodies_are_told_apart,
 )
 """All checks of recorders."""

@@ -29,6 +29,7 @@ def scale_of_unit(unit: str, time: float = TIME) -> float | None:
         "1": 1.0, "-": 1.0, "K": 1.0, "degree": 1.0,
     }  # fmt: skip
     scale = 1.0
+    unit = re.split(", | or ", unit)[0]  # of several, as of the places of a function, the first
     for number, side in enumerate(unit.split("/")):
         for word in side.replace("*", " ").split() or [""]:
             found = re.fullmatch(r"(-|1|[A-Za-z]+)\^?(\d*)", word)

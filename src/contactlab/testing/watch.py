@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import pickle
+from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,12 +16,13 @@ from contactlab.run.watches import Watching
 from contactlab.scene.scene import Scene, load_scene
 from contactlab.testing.assertions import Check, require
 
-STEPS, DT = 60, 1e-6
+STEPS, DT = 60, 4e-8
 
 
 def small_scene() -> Scene:
-    """Two blocks that rotate together and stick by friction, for a few steps: upper and lower."""
-    return load_scene("spinning-pair").with_({"time.step": DT, "time.end": STEPS * DT, "record.frames": 1})
+    """An arc that is pressed on a block and drawn aside, for a few steps: upper and lower."""
+    scene = load_scene(Path(str(files("contactlab") / "data" / "checks" / "pressed.toml")))
+    return scene.with_({"time.step": DT, "time.end": STEPS * DT})
 
 
 def looks_only(watch: Watch) -> None:
@@ -63,5 +66,19 @@ def _stepped(watch: Watch, restart_at: int | None) -> dict[str, Any]:
     return watching.found()["watch"]
 
 
-CHECKS: tuple[Check, ...] = (looks_only, finds_arrays, remembers)
+def writes_in_place(watch: Watch) -> None:
+    """Steps write to the arrays that `begin` gave; a new array under the same name is not what a run saves."""
+    scene = small_scene()
+    model = build(scene, scene.registry)
+    advance, watching = model.bound_integrator().step, Watching(model, {"watch": watch})
+    memory = watching.saved()
+    for _ in range(STEPS):
+        step = advance(DT)
+        for look in watching.every_step:
+            look(step, DT)
+    new = [name for name, values in watching.saved().items() if not np.shares_memory(values, memory[name])]
+    require(not any(memory[name].size for name in new), f"{', '.join(new)}: another array, needed: values in place")
+
+
+CHECKS: tuple[Check, ...] = (finds_arrays, looks_only, remembers, writes_in_place)
 """All checks of watches."""

@@ -13,7 +13,7 @@ from contactlab.model.loading.ramps import Course, RampTime, course_of
 if TYPE_CHECKING:
     from contactlab.scene.scene import Scene
 
-VALUES = ("ux", "uy", "turn", "pressure", "shear", "tx", "ty")  # of supports, rigid surfaces and loads
+VALUES = ("ux", "uy", "turn", "pressure", "shear", "tx", "ty", "value")  # of supports, rigid surfaces, loads, fields
 NEARLY = 1e-9  # of the end: differences below it are round-off
 
 
@@ -33,10 +33,11 @@ class Declared(NamedTuple):
 
 
 def courses_in(scene: Scene) -> Iterator[tuple[str, Any, Course]]:
-    """All values of supports, loads and rigid surfaces: their keys, as they are written, and their courses in time."""
+    """All values of supports, loads, rigid surfaces and fields: their keys, as written, and their courses in time."""
     tables: list[tuple[str, Any]] = [(f"supports.{i}", spec) for i, spec in enumerate(scene.supports)]
     tables += [(f"loads.{i}", spec) for i, spec in enumerate(scene.loads)]
     tables += [(f"rigid.{name}", spec) for name, spec in scene.rigid.items()]
+    tables += [(f"fields.{name}", spec) for name, spec in scene.fields.items()]
     for table, spec in tables:
         for name in VALUES:
             value = getattr(spec, name, None)

@@ -104,7 +104,7 @@ def the_frame_does_not_matter(subject: Subject) -> None:
 
 
 def _without_places(subject: Subject) -> None:
-    if subject.kind == "friction" and "position" in subject.part_class.needs:
+    if subject.kind in ("friction", "material") and "position" in subject.part_class.needs:
         raise NotApplicable("assumes that the law moves with the scene: it needs the position")
 
 

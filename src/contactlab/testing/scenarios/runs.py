@@ -13,12 +13,14 @@ import numpy as np
 from contactlab.api import ExplicitEnforcement, ExplicitIntegrator, Floats, NormalLaw, Potential
 from contactlab.errors import PartError, SceneError
 from contactlab.model.build import build
+from contactlab.model.loading.scene_fields import fields_needed
 from contactlab.parts.registry import Registry
 from contactlab.results.results import Results
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene, load_scene
 from contactlab.testing.assertions import NotApplicable, require
 from contactlab.testing.partners import usual_law
+from contactlab.testing.points import FIELD
 from contactlab.testing.subject import Subject
 
 Mode = Literal["explicit", "statics"]
@@ -66,9 +68,18 @@ def pressed(subject: Subject, mode: Mode, changes: Mapping[str, Any] | None = No
     """The scene with the part in its place. Raises NotApplicable where other parts of it are not installed."""
     path = Path(str(files("contactlab") / "data" / "checks" / FILES[mode]))
     try:
-        return load_scene(path, subject.registry, {**_placed(subject, mode), **(changes or {})})
+        placed = {**_placed(subject, mode), **_fields(subject), **(changes or {})}
+        return load_scene(path, subject.registry, placed)
     except PartError as error:
         raise NotApplicable(f"the scene needs parts that are not installed: {error.problem} ({error.got})") from error
+
+
+def _fields(subject: Subject) -> dict[str, Any]:
+    """Fields of the scene that the part needs, which rise with time."""
+    if subject.kind not in ("friction", "material"):
+        return {}
+    needed = fields_needed(subject.part_class)
+    return {"fields": {name: {"value": {"ramp": "linear", "to": FIELD}} for name in needed}} if needed else {}
 
 
 def _placed(subject: Subject, mode: Mode) -> dict[str, Any]:

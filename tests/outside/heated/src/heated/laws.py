@@ -1,0 +1,59 @@
+"""Laws that follow a field of the scene, its temperature: thermal strain, and friction that falls."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from contactlab.api import UNIT, FrictionBound, FrictionLaw, Material, formula
+from contactlab.api.plugin import Part, hookimpl
+
+
+@dataclass(frozen=True)
+class Heated(Material):
+    """Linear elasticity of the strain less the thermal one, alpha T.
+
+    young      [MPa]
+    poisson    [-]
+    expansion  [1/K] alpha
+    density    [t/mm3]
+    """
+
+    young: float
+    poisson: float
+    expansion: float
+    density: float
+    needs: ClassVar[tuple[str, ...]] = ("temperature",)
+    stress_free: ClassVar[bool] = False
+
+    @formula
+    def stress(H, temperature, p):
+        """Cauchy stress of small strains."""
+        mu = 0.5 * p.young / (1.0 + p.poisson)
+        lame = 2.0 * mu * p.poisson / (1.0 - 2.0 * p.poisson)
+        elastic = H.symmetric() - p.expansion * temperature * UNIT
+        return lame * elastic.trace() * UNIT + 2.0 * mu * elastic
+
+
+@dataclass(frozen=True)
+class Softening(FrictionLaw):
+    """Coulomb's coefficient at 0 K, which falls linearly to 0.
+
+    mu    [-] coefficient at 0 K
+    melt  [K] temperature at which nothing is left
+    """
+
+    mu: float
+    melt: float
+    needs: ClassVar[tuple[str, ...]] = ("temperature",)
+
+    def bound(self, temperature):
+        """Coulomb's bound with the coefficient of each multiplier."""
+        return FrictionBound(self.mu * (1.0 - temperature / self.melt).clip(0.0), 0.0, 0.0)
+
+
+@hookimpl
+def contactlab_parts() -> list[Part]:
+    """A material and a friction law."""
+    return [
+        Part("material", "heated", f"{__name__}:Heated", "linear elasticity with thermal strain"),
+        Part("friction", "softening", f"{__name__}:Softening", "Coulomb, less with the temperature"),
+    ]
