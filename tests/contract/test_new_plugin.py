@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from contactlab.api import ContactAlgorithm, Potential
 from contactlab.api.part import KINDS
 from contactlab.cli import main
 from contactlab.commands.new_plugin import WAYS, plugin_files
@@ -100,16 +101,17 @@ def test_contacts_of_every_way_pass_their_checks(
     start: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Unit checks as `contactlab check` makes them; formulas as plain Python, each of whose lines runs."""
-    source = plugin_files("contact", f"own-{start}", start=start)[f"src/own_{start}/contact.py"]
-    name, part = f"own_{start}_alone", f"Own{start.capitalize()}"
+    source = plugin_files("contact", f"own-{start}", start=start)[f"src/own_{start.replace('-', '_')}/contact.py"]
+    name, part = f"own_{start}_alone".replace("-", "_"), "Own" + "".join(map(str.capitalize, start.split("-")))
     hook = f'return [Part("contact", "own-{start}", "{name}:{part}", "as it is written")]'
     file = tmp_path / f"{name}.py"
     file.write_text(
         f"{source}\n\nfrom contactlab.api.plugin import Part, hookimpl\n\n\n"
         f"@hookimpl\ndef contactlab_parts():\n    {hook}\n"
     )
-    units = [word for check in checks_for("contact") for word in ("--only", check.__name__)]
-    python = [] if start == "rows" else ["--python"]
+    kind = Potential if start == "potential" else ContactAlgorithm
+    units = [word for check in checks_for("contact", kind) for word in ("--only", check.__name__)]
+    python = [] if start in ("rows", "potential") else ["--python"]
     assert main(["check", str(file), *units, *python]) == 0
     said = capsys.readouterr().out
     assert "0 failed" in said

@@ -23,7 +23,9 @@ WAYS: Mapping[str, Mapping[str, tuple[str, str, str]]] = {
     "contact": {
         "rows": ("rows.py", "rows_test.py", ""),
         "points": ("points.py", "formulas_test.py", "nodes on segments, by the formula of their feet"),
+        "node-on-segment": ("points.py", "formulas_test.py", "nodes on segments, by the formula of their feet"),
         "mortar": ("mortar.py", "formulas_test.py", "mortar with linear multipliers, by two formulas"),
+        "potential": ("potential.py", "potential_test.py", "penalty on overlaps, by an energy"),
     },
 }
 """Of kinds that can be written in several ways, the usual one first: the part, its tests, and a summary of its own."""
