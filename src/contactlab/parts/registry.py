@@ -83,10 +83,21 @@ class Registry:
         path = Path(path).resolve()
         if path in self.files:
             return
-        module = plugins.file_module(path)
+        refused: list[PartError] = []
+
+        def imported() -> Any:
+            try:
+                return plugins.file_module(path)
+            except PartError as error:
+                refused.append(error)
+                raise
+
         origin = Origin(path.stem, str(path))
+        loaded = plugins.load(origin, imported)
+        if refused:
+            raise refused[0]
         before = list(self._plugins), list(self._broken), {key: list(offers) for key, offers in self._offers.items()}
-        self._add(plugins.load(origin, lambda: module))
+        self._add(loaded)
         wrong = [item for item in self.broken() if item.origin == origin]
         if wrong:
             wrong += self._incomplete_in(path.stem)

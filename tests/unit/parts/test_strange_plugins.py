@@ -70,6 +70,14 @@ def test_loud_and_slow_imports_work_and_are_named(capsys: pytest.CaptureFixture[
     assert (out, err) == ("", "welcome\n")
 
 
+def test_a_file_that_prints_leaves_stdout_to_the_program(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "loud_file.py"
+    file.write_text(f"{HEAD}\nprint('welcome')\n\n\n@hookimpl\ndef contactlab_parts():\n    return [{COULOMB}]\n")
+    (burden,) = (item for item in Registry(files=[file]).burdens() if item.origin.distribution == str(file))
+    assert "its import prints 'welcome'" in burden.reason
+    assert capsys.readouterr() == ("", "welcome\n")
+
+
 def test_a_quiet_and_quick_import_has_no_burden(install: Install) -> None:
     install("quiet", f"{HEAD}\n@hookimpl\ndef contactlab_parts():\n    return [{COULOMB}]\n")
     assert not [item for item in Registry().burdens() if item.origin.distribution == "quiet"]
