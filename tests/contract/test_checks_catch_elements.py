@@ -183,9 +183,17 @@ class Outward(Q1):
         return Quadrature(0.9 * self.nodes, np.ones(4))
 
 
+@dataclass(frozen=True)
+class Silent(Flawed):
+    """It locks, and does not say so."""
+
+    locks: ClassVar[bool] = False
+
+
 WRONG: list[tuple[Check, Element]] = [
     (element.kernels_are_at_the_points, Outward()),
     (element.reference_nodes, Clockwise()),
+    (element.locking_is_declared, Silent()),
     (element.edges_of_the_cell, TurnedEdge()),
     (element.tables_are_of_their_types, Flawed("single precision")),
     (element.partition_of_unity, Flawed("sum above one")),

@@ -229,6 +229,15 @@ class OtherByHand(Formulas):
 
 
 @dataclass(frozen=True)
+class Thick(Small):
+    """It is stiffer across the plane."""
+
+    def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
+        super().stress(gradient, history, dt, stress, new_history)
+        stress[2] *= 1.001
+
+
+@dataclass(frozen=True)
 class Unheated(Formulas):
     """It needs a temperature, and has no thermal strain."""
 
@@ -326,6 +335,7 @@ WRONG: list[tuple[Check, Material]] = [
     (material.other_values_are_right, OfOneValue(stiffness=1.0)),
     (material.numbers_count, Deaf()),
     (material.needs_count, Unheated()),
+    (material_states.across_is_across, Thick()),
     (material.young_and_poisson_are_meant, Renamed()),
     (material.declarations, Unnamed()),
     (material.declarations, Small("speeds exchanged")),

@@ -54,6 +54,18 @@ def test_a_bar_that_is_heated_by_place_and_time_presses_on_its_walls(integrator:
     assert np.sort(results.internal_variables["b"]["temperature"].mean(axis=1))[::2] == pytest.approx(points)
 
 
+def test_the_ledger_closes_where_heat_moves_supports_and_free_sides() -> None:
+    """Forces at the start of a step are those of the temperature there; exact to round-off, as the law is linear."""
+    pushed = [
+        {"on": "b.left", "ux": 0.0},
+        {"on": "b.bottom", "uy": 0.0},
+        {"on": "b.right", "ux": {"ramp": "linear", "to": -0.001}},
+    ]
+    results = contactlab.simulate(bar("newton", supports=pushed))
+    assert results.status == "finished", results.reason
+    assert results.summary["balance"]["ledger_error"] < 1e-9
+
+
 def advanced(scene: Scene, stop: int, disturb: bool) -> dict[str, Any]:
     """The state after six steps; resumed by new parts after `stop`, or with steps tried in vain on the way."""
     model = build(scene, REGISTRY)

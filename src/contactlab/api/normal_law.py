@@ -32,7 +32,7 @@ class NormalLaw(Enforcement):
     needs  what else pressures follow from, by name; nobody else pays for it. "traction": the formula may take
            `traction` [MPa], the normal stress of the cells behind the slave at its nodes, positive in tension, and
            `stiffness` is that of these cells alone; the array method has two more arguments, `traction` (k,) and
-           `by_traction` (k,), the derivative by it, at most 0, to be filled. Such a law may give `adjoint`. It is for
+           `by_traction` (k,), the derivative by it, -1 to 0, to be filled. Such a law may give `adjoint`. It is for
            statics, and its slave belongs to a body whose element is its tables (q1, q2)
     """
 

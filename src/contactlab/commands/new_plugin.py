@@ -12,6 +12,7 @@ from datetime import date
 from importlib.util import find_spec
 from pathlib import Path
 from string import Template
+from typing import Any
 
 from contactlab import api
 from contactlab.api.part import KINDS
@@ -19,14 +20,9 @@ from contactlab.errors import RequestError, did_you_mean
 from contactlab.parts.registry import default_registry
 
 TEMPLATES = Path(__file__).parents[1] / "data" / "new_plugin"
+_SAID: Mapping[str, Mapping[str, Any]] = tomllib.loads((TEMPLATES / "kinds.toml").read_text())
 WAYS: Mapping[str, Mapping[str, tuple[str, str, str]]] = {
-    "contact": {
-        "rows": ("rows.py", "rows_test.py", ""),
-        "points": ("points.py", "formulas_test.py", "nodes on segments, by the formula of their feet"),
-        "node-on-segment": ("points.py", "formulas_test.py", "nodes on segments, by the formula of their feet"),
-        "mortar": ("mortar.py", "formulas_test.py", "mortar with linear multipliers, by two formulas"),
-        "potential": ("potential.py", "potential_test.py", "penalty on overlaps, by an energy"),
-    },
+    kind: {way: tuple(files) for way, files in said["ways"].items()} for kind, said in _SAID.items() if "ways" in said
 }
 """Of kinds that can be written in several ways, the usual one first: the part, its tests, and a summary of its own."""
 _KEBAB = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
@@ -115,7 +111,7 @@ def refuse_taken(kind: str, name: str) -> None:
 
 def _words(kind: str, name: str, summary: str = "") -> dict[str, str]:
     """What the templates are filled with."""
-    said: Mapping[str, str] = tomllib.loads((TEMPLATES / "kinds.toml").read_text())[kind]
+    said = _SAID[kind]
     today = date.today()
     summary = summary or said["summary"]
     return {

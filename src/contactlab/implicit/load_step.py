@@ -78,7 +78,9 @@ class LoadStep:
         """Forces at the start of the step, for the ledger; `loaded`: the time [s] of loads that were there before."""
         state = self.state
         self.time = state.time if loaded is None else loaded
-        self.equations.internal_force(dt)
+        # what follows the clock has its old stress there
+        timed = bool(getattr(self.equations, "needs", ()))
+        self.equations.internal_force(0.0 if timed else dt)
         if self.equations.contact is not None:
             self.equations.contact.evaluate(self.equations.position)
         out = np.zeros_like(self.external)
@@ -87,6 +89,8 @@ class LoadStep:
         # a load that nothing carries yet grows during the step: its work is that of a load path in balance
         carried = self.external - out if loaded is None else self.external
         self.ledger.begin_step(carried, self.contact_forces.normal, self.contact_forces.tangential)
+        if timed:
+            self.equations.internal_force(dt)
 
     def _begin_at(self, expected: Estimate, dt: float, target: Floats) -> None:
         """Let the iteration begin at an expected state, unless cells fold over there."""

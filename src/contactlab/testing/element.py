@@ -258,6 +258,21 @@ def kernels_are_at_the_points(element: Element) -> None:
         agree(one, other, 1e-11, f"{name} of the gradient by the kernels, and by shape functions at the points")
 
 
+def locking_is_declared(element: Element) -> None:
+    """In the motion (x^2, -2 x y), which keeps volumes, points see no change of volume, or the element locks."""
+    if not element.exact:
+        raise NotApplicable("assumes strains of the shape functions: exact is False")
+    x, y = element.nodes.T
+    one = Cells(element, np.ascontiguousarray(element.nodes), np.arange(len(x), dtype=np.int32)[:, None])
+    xx, _, _, yy = one.gradient(np.stack([x**2, -2.0 * x * y], axis=1))
+    seen = float(np.abs(xx + yy).max())
+    require(
+        element.locks or seen < 1e-6,
+        f"locks is False, and a motion that keeps volumes changes those at its points by {seen:.2f}, where its strains "
+        "are about 1: plastic flow is too stiff; declare locks = True",
+    )
+
+
 CHECKS: tuple[Check, ...] = (
     reference_nodes,
     edges_of_the_cell,
@@ -277,4 +292,5 @@ CHECKS: tuple[Check, ...] = (
     stabilisation_sees_no_linear_field,
     any_cut_gives_the_same,
     kernels_leave_inputs_alone,
+    locking_is_declared,
 )

@@ -42,6 +42,8 @@ def isotropy(law: Material) -> None:
 def plane_strain(law: Material) -> None:
     """Across the plane a small strain is resisted by Lame's constant, as along the other axis: strain there is zero."""
     _isotropic(law)
+    if law.needs:
+        raise NotApplicable("assumes the same moduli at all places and times: the law declares needs")
     dilatational, shear = (law.density * c * c for c in law.wave_speeds())
     lame, size, strain = dilatational - 2.0 * shear, 1e-7, np.zeros((4, 2))
     strain[[0, 3], [0, 1]] = size
@@ -55,6 +57,19 @@ def plane_strain(law: Material) -> None:
     within = 1e-5 * dilatational
     agree(stress[2] / size, [lame, lame], within, "stress across the plane over a strain along x and along y")
     agree(stress[[1, 0], [0, 1]] / size, [lame, lame], within, "stress along the other axis over that strain")
+
+
+def across_is_across(law: Material) -> None:
+    """Under a strain along x that is held for some steps, stresses along y and across the plane are the same."""
+    _isotropic(law)
+    gradient, history = points.at_rest(law, 1), points.no_history(law, 1)
+    gradient[0] += -0.02 if law.kinematics == "finite" else 0.02
+    for step in range(4):
+        stress, history = points.respond(law, gradient, history)
+        within = 1e-9 * max(points.modulus(law), float(np.abs(stress).max()))
+        agree(stress[2], stress[1], within, f"stress across the plane and along y, step {step + 1}, strained along x")
+        if law.kinematics == "rate":
+            gradient = points.at_rest(law, 1)
 
 
 def work_is_stored_or_dissipated(law: Material) -> None:
@@ -126,6 +141,7 @@ def threads_do_not_disturb_each_other(law: Material) -> None:
 CHECKS: tuple[Check, ...] = (
     isotropy,
     plane_strain,
+    across_is_across,
     work_is_stored_or_dissipated,
     arrays_change_in_place,
     threads_do_not_disturb_each_other,

@@ -25,6 +25,7 @@ class FourNodes(Element):
     nodes: ClassVar[Floats] = _CORNERS
     edges: ClassVar[tuple[tuple[int, ...], ...]] = _SIDES
     degree: ClassVar[int] = 1
+    locks: ClassVar[bool] = True
     lumping: ClassVar[Literal["row-sum", "hrz", "quadrature"]] = "row-sum"
 
     def shape(self, points: Floats) -> Shape:

@@ -164,7 +164,10 @@ def tractions_press_as_they_should(enforcement: Enforcement) -> None:
         (pressure, slope, by_traction), (more, *_), (less, *_) = found
         require(bool(np.isfinite(by_traction).all()), f"by_traction is not filled, or not finite, at a gap of {gap} mm")
         require(pressure.min() >= 0.0, f"it pulls with {-pressure.min():.3g} MPa under tension")
-        require(by_traction.max() <= 0.0, f"by_traction is {by_traction.max():.3g}, allowed: at most 0")
+        least, most = by_traction.min(), by_traction.max()
+        require(most <= 0.0, f"by_traction is {most:.3g}, allowed: at most 0")
+        why = "in equilibrium (traction -p) a larger overlap would have less pressure"
+        require(least >= -1.0 - 1e-9, f"by_traction is {least:.3g}, allowed: at least -1: {why}")
         error = np.abs(by_traction - (more - less) / (2.0 * step))
         wrong = int(np.count_nonzero(error > 1e-6 * max(1.0, float(np.abs(by_traction).max()))))
         require(wrong <= int(KINKS * COUNT), f"by_traction differs from differences at {wrong} of {COUNT} tractions")
