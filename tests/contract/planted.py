@@ -711,10 +711,6 @@ NOT_CAUGHT: dict[tuple[str, str], str] = {
     ("template effect", "undeformed places"): "dead loads",
     ("template contact/rows", "another is preferred"): "missed: ties that are decided anew each step change no answer",
     (
-        "template contact/mortar",
-        "squares without a degree",
-    ): "missed: D and M are integrated by the same rule, so that the patch test passes",
-    (
         "right normal_points",
         "closest points claimed",
     ): "missed: on gentle curves normals and closest points hardly differ",
