@@ -13,6 +13,7 @@ from contactlab.api.state import WORK
 from contactlab.kernels.step_scalars import ACTIVE, CONTACT, MODEL, STICKING, model_scalars, step_scalars
 from contactlab.model.model import Model
 from contactlab.results.energies import split_of
+from contactlab.results.step_columns import COUNTS
 
 if TYPE_CHECKING:
     from contactlab.contact.explicit_system import ContactSystem
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
     from contactlab.contact.work_split import WorkSplit
 
 SAVED = "recorded.states"
+COSTS = slice(COUNTS.index("cost.elements"), len(COUNTS))
+CLOCK = 2.0**-23  # s: finer digits of a cost are noise, and noise takes room in a file
 BLOCK = 256  # steps between hand-overs; long enough that a hand-over costs nothing per step
 
 Sample = Callable[[Step, float], None]
@@ -50,8 +53,9 @@ class StepSampler:
     def flush(self) -> None:
         """Hand on the rows since the last time."""
         if self.count:
-            count, self.count = self.count, 0
-            self.take(self.rows[:count])
+            rows, self.count = self.rows[: self.count], 0
+            rows[:, COSTS] = np.rint(rows[:, COSTS] / CLOCK) * CLOCK
+            self.take(rows)
 
 
 def _with_split(sampler: StepSampler, sample: Sample, split: WorkSplit | None) -> Sample:

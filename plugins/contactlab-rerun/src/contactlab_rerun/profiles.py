@@ -17,7 +17,7 @@ from contactlab_rerun.gathered import Appearance, Gathered, Surface, nice
 from contactlab_rerun.timelines import frame_times
 
 MARGIN = 0.08  # of what is ever pressed, on either side
-MOST_POINTS = 2000  # of the curves of a run, beside its frames and last steps: pictures have all steps
+MOST_POINTS = 1000  # of the curves of a run, beside its frames and last steps: pictures have all steps
 LAST = 50  # steps before the end whose curves are always there
 
 

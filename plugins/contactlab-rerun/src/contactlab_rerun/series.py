@@ -160,8 +160,8 @@ def corners(x: Floats, lines: Floats) -> np.ndarray:
 
 
 def _extremes(lines: Floats) -> np.ndarray:
-    """Whether rows (n,) have the least or the largest of a line, among so many rows that half of them stay at most."""
-    part = np.arange(len(lines)) // (4 * lines.shape[1])
+    """Whether rows (n,) have the least or the largest of a line, among so many rows that a fourth stays at most."""
+    part = np.arange(len(lines)) // (8 * lines.shape[1])
     kept = np.zeros(len(lines), np.bool_)
     kept[[0, -1]] = True
     for line in lines.T:

@@ -24,7 +24,7 @@ class FileStream:
     """
 
     def __init__(self, path: Path) -> None:
-        self.stream = rr.RecordingStream(APPLICATION, recording_id=uuid4())
+        self.stream = rr.RecordingStream(APPLICATION, recording_id=uuid4(), send_properties=False)
         self.error: OSError | None = None
         self.reader: threading.Thread | None = None
         if not Path("/dev/fd").is_dir():
