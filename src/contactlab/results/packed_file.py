@@ -2,11 +2,12 @@
 
 A file that grows is not compressed: what tells where compressed chunks lie changes with every row, and a killed process
 would leave it half written. When a run is over the whole file is copied once, and the copy
-takes its place when it is whole.
+takes its place when it is whole. What only a restart needs is left out.
 """
 
 from __future__ import annotations
 
+import json
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -14,9 +15,13 @@ from typing import Any
 import h5py
 import numpy as np
 
-from contactlab.results.final_slots import copy_final
+from contactlab.results.checkpoint_slots import CHECKSUM, SERIAL, Slots, header_of
+from contactlab.results.checksums import Damage
+from contactlab.results.stored_text import write_text
 
 STATE = "/contactlab/checkpoint"
+KEPT = ("state.clock", "state.displacement", "state.velocity", "state.history.", "stress.")
+"""How names of arrays begin that `FinalFields` and readers of the last step ask for."""
 HEADERS = ("v110", "v110")  # an index of chunks takes some 100 bytes in place of 2000, and VTK reads them
 LEVEL = 6  # of gzip: 1 saves a fifth of the time and takes 6 % more
 SMALL = 512  # bytes of a table that is left in one piece: what describes compressed chunks would be larger
@@ -59,12 +64,39 @@ def _copy_group(old: h5py.Group, new: h5py.Group, places: dict[int, str]) -> Non
         if isinstance(item, h5py.Group):
             ordered = item.id.get_create_plist().get_link_creation_order()
             made = new.create_group(name, track_order=bool(ordered))
-            if item.name != STATE or not copy_final(item, made, LEVEL):
+            if item.name != STATE or not _copy_state(item, made):
                 _copy_group(item, made, places)
-        elif item.dtype.kind == "O":
+        elif item.dtype.kind == "O" or (item.chunks is None and item.nbytes < SMALL):
             h5py.h5o.copy(old.id, name.encode(), new.id, name.encode())
         else:
             _copy_dataset(item, new, name)
+
+
+def _copy_state(old: h5py.Group, new: h5py.Group) -> bool:
+    """Of the newest saved state the fields of the end alone; False, and nothing, where it is not whole."""
+    slots, everything = Slots(old), np.iinfo(np.int64).max
+    try:
+        saved = slots.newest(everything, everything, everything)
+    except Damage:
+        return False
+    if saved is None:
+        return False
+    kept = {name: array for name, array in saved.memory.items() if name.startswith(KEPT)}
+    write_text(new, "arrays", json.dumps({name: list(array.shape) for name, array in kept.items()}))
+    flat = np.concatenate([array.ravel() for array in kept.values()])
+    text = np.zeros(0, np.uint8)  # the summary of the end is beside it
+    counts = np.array([slots.serial, saved.frames, saved.steps, saved.events, len(text)], np.int64)
+    header = header_of(counts, flat, text)
+    newest = max((0, 1), key=lambda slot: int(slots.headers[slot][SERIAL]))
+    for slot in (0, 1):
+        place, here = new.create_group(str(slot)), slot == newest
+        how = {"chunks": (max(1, min(flat.size, CHUNK)),), "compression": "gzip", "compression_opts": LEVEL}
+        memory = place.create_dataset("memory", flat.shape, "f8", shuffle=True, **how)
+        if here:
+            memory[...] = flat
+        place.create_dataset("summary", data=text, maxshape=(None,))
+        place["header"] = header if here else np.zeros(CHECKSUM + 2, np.int64)
+    return True
 
 
 def _copy_dataset(old: h5py.Dataset, new: h5py.Group, name: str) -> None:

@@ -13,7 +13,6 @@ from contactlab.api.arrays import Floats, Ints
 from contactlab.api.frame import ContactCurve, Event, Frame, Iterate, IterationRow, Layout
 from contactlab.api.thinning import Thinning
 from contactlab.api.warning import RunWarning
-from contactlab.results.contact_blocks import blocks_of
 from contactlab.results.named import Named
 from contactlab.views import view
 
@@ -171,7 +170,17 @@ class Results:
 
     def contact_step_blocks(self) -> Iterator[Mapping[str, np.ndarray]]:
         """The record of all contacts by name, some steps at a time."""
-        yield from blocks_of({contact.name: self._record(contact.name) for contact in self.layout.contacts})
+        sources = {contact.name: iter(self._record(contact.name)) for contact in self.layout.contacts}
+        waiting: dict[str, np.ndarray] = {}
+        while sources:
+            for name, source in sources.items():
+                if not len(waiting.get(name, ())):
+                    waiting[name] = next(source, np.zeros(0))
+            size = min(len(rows) for rows in waiting.values())
+            if not size:
+                return
+            yield {name: rows[:size] for name, rows in waiting.items()}
+            waiting = {name: rows[size:] for name, rows in waiting.items()}
 
     def _record(self, contact: str) -> Sequence[np.ndarray]:
         return self.contact[contact].step_source if contact in self.contact else ()
