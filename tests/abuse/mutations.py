@@ -33,7 +33,7 @@ def _of(kind: str, part: str, *defects: tuple[str, ...]) -> tuple[Mutation, ...]
 
 
 _DECLARED = {
-    "mortar": "    passes_patch_test: ClassVar[bool] = True\n",
+    "mortar": '(mortar-operators.md, quadratic edges)\n    """\n',
     "node": "    closest_points: ClassVar[bool] = True\n",
     "gauss": "    keeps_energy: ClassVar[bool] = True\n",
     "half": "    points_press: ClassVar[bool] = True\n",

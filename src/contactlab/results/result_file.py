@@ -3,5 +3,5 @@
 from __future__ import annotations
 
 FILE = "results.vtkhdf"
-RESUMABLE = ("interrupted", "failed")
+RESUMABLE = ("interrupted", "timed-out", "failed")
 """A failed run is taken up where it was saved: what failed may be mended, a full disk say."""

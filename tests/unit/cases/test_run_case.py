@@ -99,11 +99,11 @@ class Steps(Watch):
 
 
 def test_memory_is_in_the_checkpoint(tmp_path: Any) -> None:
-    """An interrupted run that is taken up with its watch finds what an undisturbed one finds."""
-    from contactlab.results.load import load_checkpoint
-
+    """A run that was stopped by its limit and is taken up with its watch finds what an undisturbed one finds."""
     scene = load_scene("two-bars").with_(SMALL | {"record.recorders": ["vtkhdf"]})
-    whole = simulate(scene, watch={"steps": Steps()}).watched["steps"]["doubled"]
-    simulate(scene, out=tmp_path / "run", watch={"steps": Steps()})
-    _, checkpoint = load_checkpoint(tmp_path / "run")
-    assert 2.0 * checkpoint.memory["watch.steps.sum"] == whole
+    request: dict[str, Any] = {"watch": {"steps": Steps()}}
+    whole = simulate(scene, **request)
+    stopped = simulate(scene, out=tmp_path / "run", work=0.5 * whole.summary["steps"], **request)
+    assert stopped.status == "timed-out"
+    taken_up = simulate(scene, out=tmp_path / "run", resume=True, **request)
+    assert taken_up.watched["steps"]["doubled"] == whole.watched["steps"]["doubled"] > 0.0
