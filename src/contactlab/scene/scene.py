@@ -193,7 +193,7 @@ def find_scene(name_or_path: str | Path, registry: Registry) -> tuple[Path, str]
     except (OSError, ValueError):  # no name that a file could have
         there = False
     if there:
-        return path, str(name_or_path)
+        return path, str(name_or_path) or str(path)
     raise SceneError(
         "there is no such scene",
         where=str(name_or_path),
