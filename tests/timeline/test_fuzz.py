@@ -25,7 +25,7 @@ def test_what_is_wrong_or_strange_works_or_is_refused_in_words(cases: int) -> No
     counts = tried["counts"]
     came = {kind: sum(counts[kind].values()) for kind in counts}
     assert sum(came.values()) == cases
-    assert min(came.values()) >= 2
+    assert min(came.values()) >= 1
     assert counts["large scene"].get("ran", 0) > 0
     used = tried["used"]["large scene"]
     assert max(used) > 0.4  # the estimate is a bound, and no wild guess
