@@ -14,7 +14,7 @@ FUZZ = Path(__file__).parents[1] / "abuse" / "fuzz.py"
 
 
 @pytest.mark.timeout(900)
-@pytest.mark.parametrize("cases", [100, pytest.param(500, marks=pytest.mark.full)])
+@pytest.mark.parametrize("cases", [150, pytest.param(500, marks=pytest.mark.full)])
 def test_what_is_wrong_or_strange_works_or_is_refused_in_words(cases: int) -> None:
     """In a process of its own: what other tests left in memory is no part of a scene's peak."""
     words = [sys.executable, str(FUZZ), "--quick", "--json", "--cases", str(cases), "--seed", str(SEED)]
@@ -25,7 +25,7 @@ def test_what_is_wrong_or_strange_works_or_is_refused_in_words(cases: int) -> No
     counts = tried["counts"]
     came = {kind: sum(counts[kind].values()) for kind in counts}
     assert sum(came.values()) == cases
-    assert min(came.values()) >= 1
+    assert min(came.values()) >= 2
     assert counts["large scene"].get("ran", 0) > 0
     used = tried["used"]["large scene"]
     assert max(used) > 0.4  # the estimate is a bound, and no wild guess
