@@ -102,7 +102,7 @@ def test_frames_that_cannot_be_kept_are_refused(monkeypatch: pytest.MonkeyPatch)
 
 def test_a_disk_that_is_too_small_is_told_before_the_run(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """The estimate is the file before it is compressed, to a tenth: headers are counted by their number alone."""
-    monkeypatch.setattr("contactlab.results.vtkhdf.pack", lambda path, least: None)
+    monkeypatch.setattr("contactlab.results.vtkhdf.pack", lambda path: None)
     scene = load_scene("disc-on-block").with_(
         {"bodies.disc.mesh.cells": [16, 4], "bodies.block.mesh.cells": [24, 4], "time.end": 2e-6, "record.frames": 100,
          "contacts.0.friction": {"use": "coulomb", "mu": 0.2}, "record.recorders": ["vtkhdf"]}
