@@ -261,9 +261,7 @@ def test_full_disk_keeps_what_was_written(
     scene = small_scene({"time.end": "auto", "time.ramp": 2e-6, "time.hold": 1e-5, "record.frames": 5})
     assert fork_server.run(scene, tmp_path / "whole").status == 0
     whole = contactlab.load_results(tmp_path / "whole")
-    monkeypatch.setattr(
-        "contactlab.results.vtkhdf.pack", lambda path: None
-    )  # a file that grows is not compressed
+    monkeypatch.setattr("contactlab.results.vtkhdf.pack", lambda path: None)  # a file that grows is not compressed
     simulate(scene, tmp_path / "growing")
     folder, size = tmp_path / "full", (tmp_path / "growing/results.vtkhdf").stat().st_size
     stopped = fork_server.run(scene, folder, largest=int(share * size))
