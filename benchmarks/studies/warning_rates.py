@@ -3,22 +3,16 @@
     contactlab matrix --full --out runs/full && python benchmarks/studies/warning_rates.py runs/full
     python benchmarks/studies/warning_rates.py runs/full --cells locking      # the cells of one warning
     python benchmarks/studies/warning_rates.py runs/some --sample 12          # 12 random cells of each case, made here
-    python benchmarks/studies/warning_rates.py runs/some --cures kept-gap     # alarms against what they advise
 
 An alarm counts as right if the finished cell misses a known number: a measure of its case, or an invariant other than
 the one that the warning reports. Where it misses that one alone, the warning is true and nothing else shows the error.
 A cell lacks a warning if it misses a number for which its case accepts the warning, and carries none of those that the
 case accepts.
-
-Known numbers may be those of the very thing that a warning doubts, such as a small-strain law, or looser than its
-limit. With `--cures`, cells that carry a warning are run again with what it advises (`warning_cures`), and the alarm is
-right by its own claim if a reported number changes.
 """
 
 from __future__ import annotations
 
 import argparse
-import csv
 import random
 from collections import Counter, defaultdict
 from collections.abc import Iterator
@@ -27,7 +21,6 @@ from pathlib import Path
 from typing import Any
 
 import case_rows
-import warning_cures
 from filled import filled
 
 from contactlab.jobs.archive import Archive
@@ -41,7 +34,7 @@ from contactlab.verdicts.plan import Cell, Request
 HERE = Path(__file__).parent
 PAGE = HERE.parents[1] / "docs" / "warnings.md"
 STORED = HERE / "warning_rates.csv"
-KEYS = ("code", "alarms", "right", "own", "lacking", "mortars", "nodes", "cured", "changed")
+KEYS = ("code", "alarms", "right", "own", "lacking", "mortars", "nodes")
 NODES = "node-on-segment"
 SEED = 2005
 LIMIT = 60.0
@@ -50,19 +43,16 @@ LIMIT = 60.0
 
 @dataclass
 class Judged:
-    """A finished cell: codes that it carries, measures that it misses with the codes accepted for each, invariants.
+    """A finished cell: the codes that it carries, the measures that it misses, and the codes accepted for each."""
 
-    told  codes of the warnings that report invariants, by their names
-    """
-
-    cell: Cell
+    label: str
+    contact: str
     codes: frozenset[str]
     missed: dict[str, frozenset[str]] = field(default_factory=dict)
-    told: dict[str, str] = field(default_factory=dict)
 
     def right(self, code: str) -> bool:
         """Whether something is missed beside what the warning reports of itself."""
-        return any(self.told.get(name) != code for name in self.missed)
+        return any(accepted != {code} for accepted in self.missed.values())
 
     @property
     def lacking(self) -> frozenset[str]:
@@ -102,7 +92,7 @@ def judged(folder: Path) -> Iterator[Judged]:
             records = [archive.record(run, None) for run in found["runs"]]
             codes = frozenset(code for record in records if record is not None for code in record.warnings)
             told = {i["name"]: i["code"] for r in records if r is not None for i in r.summary.get("invariants", ())}
-            yield Judged(planned[key], codes, _missed(found, planned[key], told), told)
+            yield Judged(", ".join(filter(None, key)), found["contact"], codes, _missed(found, planned[key], told))
 
 
 def _missed(found: dict[str, Any], cell: Cell, told: dict[str, str]) -> dict[str, frozenset[str]]:
@@ -110,19 +100,6 @@ def _missed(found: dict[str, Any], cell: Cell, told: dict[str, str]) -> dict[str
     accepted = {measure.name: frozenset(measure.codes) for measure in case.measures(setup)}
     names = [m["measure"] for m in found["measures"] if m["verdict"] in ("missed", "silent")]
     return {name: accepted.get(name, frozenset({told[name]} if name in told else ())) for name in names}
-
-
-def cures(cells: list[Judged], code: str, folder: Path) -> dict[str, str]:
-    """How many alarms could be judged by what they advise, and how many of these change a number; prints each."""
-    carrying = [cell for cell in cells if code in cell.codes]
-    found: list[str | None] = []
-    with Driver(folder, time_limit=LIMIT) as driver:
-        plans = (warning_cures.cured_plan(cell.cell, [code]) for cell in carrying)
-        for number, result in driver.results(plans):
-            found.append(result.get(code))
-            print(f"{carrying[number].cell.label}: {result.get(code, 'nothing to do')}", flush=True)
-    said = [change for change in found if change is not None]
-    return {"cured": str(len(said)), "changed": str(sum(map(bool, said)))}
 
 
 def rates(cells: list[Judged]) -> list[dict[str, str]]:
@@ -134,27 +111,22 @@ def rates(cells: list[Judged]) -> list[dict[str, str]]:
         right.update(code for code in cell.codes if cell.right(code))
         own.update(code for code in cell.codes if cell.missed and not cell.right(code))
         lacking.update(cell.lacking)
-        by_kind.update((code, cell.cell.choices["contact"] == NODES) for code in cell.codes)
+        by_kind.update((code, cell.contact == NODES) for code in cell.codes)
     return [
         {"code": code, "alarms": str(alarms[code]), "right": str(right[code]), "own": str(own[code]),
-         "lacking": str(lacking[code]), "mortars": str(by_kind[code, False]), "nodes": str(by_kind[code, True]),
-         "cured": "", "changed": ""}
+         "lacking": str(lacking[code]), "mortars": str(by_kind[code, False]), "nodes": str(by_kind[code, True])}
         for code in sorted({*alarms, *lacking})
     ]  # fmt: skip
 
 
 def table(rows: list[dict[str, str]]) -> str:
     """The table as Markdown."""
-    heads = (
-        "code", "finished cells that carry it", "right", "own number alone", "share right", "right by its own claim",
-        "lack it",
-    )  # fmt: skip
+    heads = ("code", "finished cells that carry it", "right", "own number alone", "share right", "lack it")
     lines = []
     for row in rows:
         alarms, right = int(row["alarms"]), int(row["right"])
         share = f"{right / alarms:.0%}" if alarms else ""
-        claim = f"{row['changed']} of {row['cured']}" if row["cured"] else ""
-        lines.append([f"`{row['code']}`", alarms, right, row["own"], share, claim, row["lacking"]])
+        lines.append([f"`{row['code']}`", alarms, right, row["own"], share, row["lacking"]])
     return Sheet(heads, lines).markdown()
 
 
@@ -164,7 +136,6 @@ def main() -> None:
     parser.add_argument("folder", type=Path, help="of a matrix")
     parser.add_argument("--sample", metavar="N", type=int, help="first run N random cells of each case into the folder")
     parser.add_argument("--cells", metavar="CODE", help="print the cells that carry or lack this warning")
-    parser.add_argument("--cures", metavar="CODE", help="run the cells of this warning again with what it advises")
     parser.add_argument("--write", action="store_true", help="write docs/warnings.md and keep the rows")
     options = parser.parse_args()
     if options.sample:
@@ -174,14 +145,9 @@ def main() -> None:
         for cell in found:
             if options.cells in cell.codes | cell.lacking:
                 kind = "lacks" if options.cells in cell.lacking else "right" if cell.right(options.cells) else "false"
-                print(
-                    f"{kind:6} {cell.cell.label}; missed: {', '.join(cell.missed) or 'nothing'}; {sorted(cell.codes)}"
-                )
+                print(f"{kind:6} {cell.label}; missed: {', '.join(cell.missed) or 'nothing'}; {sorted(cell.codes)}")
         return
-    kept = {row["code"]: row for row in csv.DictReader(STORED.read_text(encoding="utf-8").splitlines())}
-    if options.cures:
-        kept.setdefault(options.cures, {}).update(cures(found, options.cures, options.folder))
-    rows = [row | {name: kept.get(row["code"], {}).get(name, "") for name in KEYS[-2:]} for row in rates(found)]
+    rows = rates(found)
     print(f"{len(found)} finished cells\n{table(rows)}")
     if options.write:
         write_csv(STORED, KEYS, rows)

@@ -23,8 +23,13 @@ SAW = "saw-tooth of the pressure"
 COARSE = "the die presses on a few segments of the foundation, with peaks at its edges; the run warns of it"
 FEW = "seven nodes of the anvil carry the billet: multipliers swing at its edge; on half the segments they do not"
 NOT_MET: dict[tuple[str, str], dict[str, str]] = {
-    ("forging", "mortar-p1"): {"saw-tooth of the shear": FEW},
+    ("forging", "mortar-p0"): {SAW: FEW},
+    ("forging", "mortar-p1"): {SAW: FEW, "saw-tooth of the shear": FEW},
+    ("ironing", "mortar-p0"): {SAW: COARSE},
     ("ironing", "mortar-p1"): {SAW: COARSE, "saw-tooth of the shear": COARSE},
+    ("lifted-beam", "mortar-p1"): {
+        SAW: "a force in one point where the beam leaves the floor: linear multipliers swing"
+    },
 }
 """Measures of mortars that are not met, by case and algorithm, with the cause."""
 

@@ -21,9 +21,11 @@ from contactlab.model.model import Model
 if TYPE_CHECKING:
     from contactlab.scene.scene import Scene
 
-DETECTORS = (strain_detectors, locking_detectors, quasi_static_detectors, leaning_detectors, overlap_detectors)
-# their energies or forces are small in early frames, and shares of them mean nothing there
-AT_THE_END = (bending_detectors, work_detectors, side_detectors)
+DETECTORS = (
+    strain_detectors, locking_detectors, quasi_static_detectors, side_detectors, leaning_detectors, overlap_detectors,
+)  # fmt: skip
+# their energies are small in early frames, and shares of them mean nothing there
+AT_THE_END = (bending_detectors, work_detectors)
 KEY = "looks"  # in checkpoints: files keep their names
 
 

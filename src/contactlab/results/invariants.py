@@ -40,7 +40,6 @@ TURNS = 4.0  # times the square of the angle between segments: an eighth of it f
 DEEP = 0.05  # segments: what weak conditions leave between nodes of different meshes, beside the depth of facets
 SEEN = 5  # nodes: of three that came to rest one after the other each keeps the shear of its own moment
 SAW, SHEAR_SAW = 0.01, 0.05  # sound runs stay below 0.7 % and 4.1 %; a pressure that is wrong by some per cent has 2 %
-OWN_SAW = 0.05  # of methods that pass constant pressures: their teeth are all of the error, and peaks are held to that
 KEPT = 1e-3  # of the work of the stresses: forces are then off by less than that
 GIVE = 0.02  # of it, where springs press in statics: what drives or yields under a load is off by half of that
 CREEP = 0.02  # of the motion of the surfaces: at 0.015 numbers are off by some per cent, at 0.14 by a third
@@ -219,9 +218,8 @@ def _contact(model: Model, pair: ContactPair, report: ContactReport, scale: floa
         "largest penetration of either side in segments", "penetration", pair.name, depth, allowed,
         "facets, overlaps of the start or of a pressure law, and what weak conditions leave between nodes",
     )  # fmt: skip
-    exact = pair.method.passes_patch_test and not (pair.by_energy or pair.half)
     yield Invariant(
-        "saw-tooth of the pressure", "pressure-saw", pair.name, pressure_saw(curve, sharp), OWN_SAW if exact else SAW,
+        "saw-tooth of the pressure", "pressure-saw", pair.name, pressure_saw(curve, sharp), SAW,
         "a pressure that alternates from node to node is none of the bodies'",
     )  # fmt: skip
     if np.any(curve.shear):

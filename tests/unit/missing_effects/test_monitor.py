@@ -63,7 +63,6 @@ def with_stiff_slave(algorithm: str = "node-on-segment") -> dict[str, Any]:
     scene = colliding(contacts=True, material="hard")
     scene["contacts"][0]["algorithm"] = algorithm
     scene["materials"]["hard"] = {"use": "neo-hookean", **ELASTIC, "young": 30_000.0}
-    scene["record"]["frames"] = 100  # the stiff block presses in short strokes
     return scene
 
 
@@ -131,8 +130,11 @@ def test_mortars_are_not_advised_on_the_side_of_the_slave() -> None:
     assert "other-slave" not in [warning.code for warning in warnings_of(with_stiff_slave("mortar-p0"))]
 
 
-def test_forces_that_lean_to_both_sides_alike_are_no_reason_to_exchange_sides() -> None:
-    """Facets of an arc lean by some degrees to and fro, which takes less than 1 % of the force along the normal."""
+def test_potentials_are_not_advised_on_the_side_of_the_slave() -> None:
+    """Facets of an arc lean, and this algorithm's forces are the same with either side as slave.
+
+    Without friction their lean to and fro of some degrees takes less than 1 % of the force along the normal.
+    """
     arc = {"use": "ring", "radii": [0.3, 1.0], "angles": [180.0, 360.0], "cells": [16, 5]}
     pushed = {"ux": 0.0, "uy": {"ramp": "linear", "to": -0.05}}
     scene = block({"use": "neo-hookean", **ELASTIC}) | {"integrator": "newton", "time": {}}
@@ -142,12 +144,16 @@ def test_forces_that_lean_to_both_sides_alike_are_no_reason_to_exchange_sides() 
         "low": body((-1.0, 0.0), (14, 6), (-1.0, 1.0)),
         "high": {"element": "q1", "material": "m", "mesh": arc, "shift": [0.0, 1.0]},
     }
-    for algorithm, friction in (("mortar-p1", True), ("mortar-p1", False), ("midplane", True)):
+    for algorithm, friction, advised in (
+        ("mortar-p1", True, True),
+        ("mortar-p1", False, False),
+        ("midplane", True, False),
+    ):
         contact: dict[str, Any] = {"slave": "high.outer", "master": "low.top", "algorithm": algorithm}
         if friction:
             contact["friction"] = {"use": "coulomb", "mu": 0.2}
         found = [warning.code for warning in warnings_of(scene | {"contacts": [contact]})]
-        assert "other-slave" not in found, (algorithm, friction)
+        assert ("other-slave" in found) == advised, (algorithm, friction)
 
 
 def test_a_run_that_nothing_resists_is_not_only_told_to_be_slower() -> None:
