@@ -38,7 +38,7 @@ PLANTED: dict[str, tuple[Defect, ...]] = {
         ("loss at the old force", "driving.dot(step)\n", "(2.0 * p.branch * (d - old)).dot(step)\n"),
         ("zz of the memory forgotten", "yy, -history.v_xx - history.v_yy)\n        new", "yy, 0.0)\n        new"),
     ),
-    "material outside heated/src/heated/laws.py:Heated": (
+    "material outside heated/src/heated/heated_laws.py:Heated": (
         ("temperature is not used", "p.expansion * temperature", "p.expansion"),
         ("no expansion", " - p.expansion * temperature * UNIT", ""),
     ),

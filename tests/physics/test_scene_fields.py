@@ -19,7 +19,7 @@ from contactlab.model.memory import model_memory, restore_model
 from contactlab.parts.registry import Registry
 from contactlab.scene.scene import Scene
 
-LAWS = Path(__file__).parents[1] / "outside" / "heated" / "src" / "heated" / "laws.py"
+LAWS = Path(__file__).parents[1] / "outside" / "heated" / "src" / "heated" / "heated_laws.py"
 REGISTRY = Registry(files=[LAWS])
 HEATED = {"use": "heated", "young": 1000.0, "poisson": 0.3, "expansion": 1e-5, "density": 1e-6}
 WARM = {"value": {"ramp": "linear", "to": 100.0}, "profile": {"by": "x", "table": [[0.0, 0.0], [2.0, 1.0]]}}

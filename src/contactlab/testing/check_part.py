@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-from contactlab.api import ContactMethod
+from contactlab.api import ContactMethod, Potential
 from contactlab.errors import PartError, SceneError, one_line
 from contactlab.testing.cost import Cost, costs
 from contactlab.testing.examples import refused
@@ -47,8 +47,9 @@ class PartReport:
 
 
 def check_names(kind: str) -> list[str]:
-    """Names of all checks of a part of this kind, in order."""
-    return [check.__name__ for check in (*FIRST, *checks_for(kind), *scenarios_for(kind))]
+    """Names of all checks of a part of this kind, in order; of contacts those of potentials as well."""
+    own = (*checks_for(kind), *(checks_for(kind, Potential) if kind == "contact" else ()))
+    return list(dict.fromkeys(check.__name__ for check in (*FIRST, *own, *scenarios_for(kind))))
 
 
 def check_part(
