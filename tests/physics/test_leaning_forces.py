@@ -7,6 +7,7 @@ import pytest
 
 import contactlab
 from contactlab.results.results import Results
+from contactlab.scene.scene import Scene
 
 
 def slid(**changes: object) -> Results:
@@ -28,3 +29,27 @@ def test_a_corner_that_holds_up_a_mortar_is_told_with_the_side_to_exchange() -> 
     # 5 %: vibrations of the block when it is put down
     assert largest[1] == pytest.approx(4.0, rel=0.06)
     assert largest[0] > 1.5 * largest[1]
+
+
+def test_a_master_of_two_bodies_is_no_corner() -> None:
+    """Each bears half of a block that falls on both; no body's force is told by a chain that it shares."""
+
+    def block(x: list[float], y: list[float]) -> dict[str, object]:
+        mesh = {"use": "rectangle", "x": x, "y": y, "cells": [4, 2]}
+        return {"element": "q1", "material": "m", "mesh": mesh}
+
+    low = {"left": block([-1.0, 0.0], [-1.0, 0.0]), "right": block([0.5, 1.5], [-1.0, 0.0])}
+    high = block([-0.75, 1.25], [0.01, 1.0]) | {"velocity": [0.0, -1e4]}
+    scene = Scene.from_data({
+        "time": {"end": 4e-6},
+        "integrator": "central-difference",
+        "materials": {"m": {"use": "linear-elastic", "young": 1000.0, "poisson": 0.3, "density": 1e-9}},
+        "bodies": {**low, "high": high},
+        "contacts": [{"slave": "high.bottom", "master": ["left.top", "right.top"], "algorithm": "mortar-p0"}],
+        "supports": [{"on": f"{name}.bottom", "ux": 0.0, "uy": 0.0} for name in low],
+        "record": {"frames": 20, "recorders": []},
+    })  # fmt: skip
+    results = contactlab.simulate(scene)
+    assert results.status == "finished", results.reason
+    assert np.abs(results.history["contacts.0.fy"]).max() > 0.0
+    assert "leaning-forces" not in {warning.code for warning in results.warnings}

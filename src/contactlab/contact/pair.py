@@ -54,6 +54,17 @@ class ContactSnapshot:
     forces: Floats
     tractions: Floats
 
+    @property
+    def resultant(self) -> Floats:
+        """Sum (2,) [N] of normal and tangential forces on the slave, along its normals."""
+        normal, tangential = self.forces
+        return np.asarray(normal @ self.normals + tangential @ tangents(self.normals))
+
+
+def tangents(normals: Floats) -> Floats:
+    """Unit vectors (k, 2) along the slave, of normals (k, 2) towards it."""
+    return np.stack([normals[:, 1], -normals[:, 0]], axis=1)
+
 
 class ContactPair(ABC):
     """A slave and a master surface under one contact algorithm.

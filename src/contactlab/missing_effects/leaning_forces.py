@@ -6,11 +6,11 @@ corner of the master changes as the segment slides past the corner; its multipli
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactlab.api import Floats, RunWarning
+from contactlab.api import RunWarning, Surface
 from contactlab.missing_effects.missing_effect import Detectors, needed, per_cent
 from contactlab.model.model import Model
 
@@ -33,6 +33,9 @@ class LeaningForces:
     def __init__(self, model: Model) -> None:
         self.model, self.pairs, self.worst = model, model.contact.pairs, np.zeros(5)  # type: ignore[union-attr]
         self.bodies = [slice(body.first, body.first + body.count) for body in model.bodies]
+        shares = np.array([[self._shares(side) for side in (pair.slave, pair.master)] for pair in self.pairs])
+        self.signs = shares[:, 0] - shares[:, 1]  # (contacts, bodies): of the slave, and of the master the opposite
+        self.known = ((shares == 0.0) | (shares == 1.0)).all(axis=(0, 1))  # bodies that no chain shares with others
 
     def update(self) -> None:
         """Compare what acts on each body with normal and tangential forces along the normals of its contacts."""
@@ -42,12 +45,10 @@ class LeaningForces:
         told, largest = np.zeros((len(self.bodies), 2)), np.zeros(len(self.pairs))
         for number, pair in enumerate(self.pairs):
             seen = pair.snapshot(state, position)
-            normal, tangential = seen.forces
-            across = np.stack([seen.normals[:, 1], -seen.normals[:, 0]], axis=1)
-            resultant, largest[number] = normal @ seen.normals + tangential @ across, normal.max(initial=0.0)
-            told += self._shares(pair, resultant)
+            told += np.outer(self.signs[number], seen.resultant)
+            largest[number] = seen.forces[0].max(initial=0.0)
         acting = np.array([state["contact_force"][own].sum(axis=0) for own in self.bodies])
-        apart = np.hypot(*(acting - told).T)
+        apart = np.where(self.known, np.hypot(*(acting - told).T), 0.0)
         self.worst[4] = max(self.worst[4], *np.hypot(*told.T), *np.hypot(*acting.T))
         if apart.max() > self.worst[0]:
             number = int(largest.argmax())
@@ -55,10 +56,9 @@ class LeaningForces:
             node = int(state["multipliers"][0, pair.own].argmax()) % len(pair.slave.nodes)
             self.worst[:4] = apart.max(), number, *position[pair.slave.nodes[node]]
 
-    def _shares(self, pair: Any, resultant: Floats) -> Floats:
-        """Forces (bodies, 2) of a contact on each body: of its slave, and of its master the opposite."""
-        inside = [[own.start <= side.nodes[0] < own.stop for own in self.bodies] for side in (pair.slave, pair.master)]
-        return np.asarray(np.subtract(*np.array(inside, float))[:, None] * resultant)
+    def _shares(self, side: Surface) -> list[float]:
+        """Share of the nodes of a surface that each body has."""
+        return [float(np.mean((own.start <= side.nodes) & (side.nodes < own.stop))) for own in self.bodies]
 
     def warning(self) -> RunWarning | None:
         """Advise the side with the corner as slave, or points; None while forces and tractions agree."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from contactlab.api import Floats, State
 from contactlab.api.arrays import Flags
-from contactlab.contact.pair import ContactPair, ContactSnapshot
+from contactlab.contact.pair import ContactPair, ContactSnapshot, tangents
 from contactlab.kernels.contact.factored_rows import FAR
 from contactlab.kernels.contact.penetration import depths, with_midpoints
 from contactlab.results.arc_length import arc_length
@@ -79,7 +79,6 @@ def report_contact(pair: ContactPair, state: State, reference: Floats, position:
     normal_force, tangential_force = seen.forces
     values = node_values(pair, seen)
     pressure, shear = values["pressure"], values["shear"]
-    resultant = normal_force @ seen.normals + tangential_force @ _tangents(seen.normals)
     bound = friction_bound(pair, seen)
     largest = max(float(normal_force.max(initial=0.0)), 1e-300)
     gaps = np.where(seen.gaps < FAR, seen.gaps, 0.0)
@@ -99,7 +98,7 @@ def report_contact(pair: ContactPair, state: State, reference: Floats, position:
     )
     return ContactReport(
         curve=curve,
-        resultant=resultant,
+        resultant=seen.resultant,
         pressure_integral=_integral(pair, seen, pressure, shear),
         covered_integral=_integral(pair, seen, pressure, shear, _covered(pair, seen)),
         max_penetration=depth,
@@ -121,10 +120,6 @@ def _per_length(seen: ContactSnapshot) -> Floats:
     forces = seen.forces[0]
     pressed = (forces > 0.0) & (seen.cover > 0.0)
     return np.asarray(np.divide(forces, seen.cover, out=np.zeros_like(forces), where=pressed))
-
-
-def _tangents(normals: Floats) -> Floats:
-    return np.stack([normals[:, 1], -normals[:, 0]], axis=1)
 
 
 def _covered(pair: ContactPair, seen: ContactSnapshot) -> Floats:
@@ -166,7 +161,7 @@ def _integral(
         direction = (force / np.where(bears, size, 1.0)[:, None])[owner]
         inward[vertex] = lengths[vertex][:, None] * direction[pair.slave.segments[vertex]]
     total = np.einsum("sk,skd->d", pressure[pair.slave.segments], inward)
-    return np.asarray(0.5 * (total + _tangents(np.einsum("sk,skd->d", shear[pair.slave.segments], inward)[None])[0]))
+    return np.asarray(0.5 * (total + tangents(np.einsum("sk,skd->d", shear[pair.slave.segments], inward)[None])[0]))
 
 
 def _is_vertex(pair: ContactPair, edge: Floats) -> Flags:
