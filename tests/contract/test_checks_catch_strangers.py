@@ -11,6 +11,7 @@ import pytest
 from contactlab_cases.measures import ContactLength, PeakError, PressureCentre
 from contactlab_friction.coulomb import Coulomb
 from contactlab_friction.tresca import Tresca
+from contactlab_mortar.mortar import MortarP0
 
 from contactlab.api import Case, FrictionBound, FrictionLaw, Job, Record, RunMeasure, Setup, Solution
 from contactlab.parts.contract import faults
@@ -291,6 +292,11 @@ def test_names_that_miss_the_contract_by_a_letter_are_refused() -> None:
     assert "its bounds is nothing that the contract knows; did you mean bound?" in faults("friction", wrong)
     assert "its famly is nothing that the contract knows; did you mean family?" in faults("case", wrong_case)
     assert not [line for line in faults("case", wrong_case) if "helper" in line]
+    body = {"__module__": __name__, "__annotations__": {"keep_energy": ClassVar[bool]}, "keep_energy": True}
+    promised = dataclass(frozen=True)(type("Promised", (MortarP0,), body))
+    assert "its keep_energy is nothing that the contract knows; did you mean keeps_energy?" in faults(
+        "contact", promised
+    )
 
 
 assert issubclass(PATCH, Case)

@@ -16,7 +16,7 @@ from typing import Any
 
 from contactlab.api.compiled.late import late
 
-__all__ = ["Formula", "array_method", "declare", "formula", "formulas_of", "in_python", "install"]
+__all__ = ["Formula", "array_method", "declare", "formula", "formulas_of", "in_python", "install", "members_of"]
 
 
 class Formula:
@@ -127,3 +127,9 @@ def array_method(like: Callable[..., Any], module: str, name: str) -> Callable[.
 def in_python() -> bool:
     """Whether formulas are to run as plain Python."""
     return os.environ.get("CONTACTLAB_PYTHON", "") not in ("", "0")
+
+
+def members_of(kind: type[Any]) -> str:
+    """The fields and methods of a named tuple that formulas see, as they are written."""
+    methods = [name for name, value in vars(kind).items() if inspect.isfunction(value) and not name.startswith("_")]
+    return ", ".join([*kind._fields, *(f"{name}()" for name in methods)])

@@ -14,7 +14,7 @@ Number = Any
 
 
 class Vector(NamedTuple):
-    """A vector (x, y). `a + b`, `2.0 * a`, `a @ b` (dot product), `a.cross(b)`, `a.length`, `a.unit`, `a.turned`."""
+    """A vector (x, y): `a + b`, `2.0 * a`, `a @ b` (dot), `a.cross(b)`, `a.length()`, `a.unit()`, `a.turned()`."""
 
     x: Number
     y: Number

@@ -147,7 +147,8 @@ def _misspelt(target: type) -> list[str]:
     known: set[str] = set()
     for base in (base for base in target.__mro__ if base.__module__.startswith("contactlab.api.")):
         known |= {name for name in (*vars(base), *inspect.get_annotations(base)) if not name.startswith("_")}
-    fields, found = set(getattr(target, "__dataclass_fields__", ())), []
+    keys = dataclasses.fields(target) if dataclasses.is_dataclass(target) else ()
+    fields, found = {field.name for field in keys}, []
     for base in (base for base in target.__mro__ if not base.__module__.startswith(("contactlab.api.", "builtins"))):
         for name in {*vars(base), *inspect.get_annotations(base)} - fields - known:
             near = [] if name.startswith("_") else get_close_matches(name, known, 1, MISSPELT)

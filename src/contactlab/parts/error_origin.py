@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from traceback import walk_tb
 from typing import TYPE_CHECKING
 
+from contactlab.api.formulas import members_of
 from contactlab.errors import ContactlabError, PartError, WrongAnswer, one_line
 
 if TYPE_CHECKING:
@@ -36,4 +37,6 @@ def part_errors(registry: Registry) -> Iterator[None]:
         place = part_at_fault(error, registry)
         if not place:
             raise
-        raise PartError(f"the part raised {one_line(error)}", where=place) from error
+        kind = type(getattr(error, "obj", None))
+        known = members_of(kind) if issubclass(kind, tuple) and kind.__module__.startswith("contactlab.api.") else ""
+        raise PartError(f"the part raised {one_line(error)}", where=place, allowed=known) from error

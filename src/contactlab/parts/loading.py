@@ -227,13 +227,15 @@ def file_module(path: Path) -> ModuleType:
 
 
 def _refuse_taken(path: Path) -> None:
-    loaded = sys.modules.get(path.stem)
-    taken = loaded is not None and Path(getattr(loaded, "__file__", None) or "").resolve() != path
-    if not taken and loaded is None and path.stem.isidentifier():
-        other = importlib.util.find_spec(path.stem)
-        taken = other is not None and Path(other.origin or "").resolve() != path
-    if taken:
-        raise PartError("another module has this name", where=str(path), hint="rename the file")
+    place = None
+    if path.stem in sys.modules:
+        place = getattr(sys.modules[path.stem], "__file__", None) or "the interpreter"
+    elif path.stem.isidentifier() and (other := importlib.util.find_spec(path.stem)):
+        place = other.origin or "a folder of this name"
+    if place and Path(place).resolve() != path:
+        raise PartError(
+            "another module has this name", where=str(path), got=f"it is taken by {place}", hint="rename the file"
+        )
 
 
 def _line(error: BaseException, path: Path) -> str:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +15,9 @@ from contactlab.api import UNIT, Tensor, Vector, formula
 from contactlab.api.compiled.dual import derivatives, seed, value
 from contactlab.api.compiled.formulas import FormulaError, Slot, made
 from contactlab.api.compiled.kernel import kernel
+from contactlab.api.formulas import members_of
 from contactlab.api.mathematics import DualNumber, seeds
+from contactlab.api.segments import Covered, MasterSegment, Overlap, SlavePoint, SlaveSegment
 
 FORMULA = Slot("FORMULA")
 
@@ -147,6 +151,22 @@ def test_what_kernels_do_not_know_is_named_with_its_line(function: Any, line: st
     assert f"{__file__}, line {function.__code__.co_firstlineno + 1}" in text
     assert line in text
     assert len(text.splitlines()) == 4
+
+
+def unknown_member(x: Any, y: Any) -> Any:
+    return Vector(x, y).norm()  # type: ignore[attr-defined]
+
+
+def test_members_that_exist_stand_beside_an_unknown_one() -> None:
+    with pytest.raises(FormulaError, match=r"Vector has no norm\n +allowed +x, y, cross\(\), turned\(\), length\(\)"):
+        made(of_duals, "test.unknown_member", {FORMULA: formula(unknown_member)})(np.ones(2), np.empty(5))
+
+
+@pytest.mark.parametrize("kind", [Vector, SlaveSegment, SlavePoint, MasterSegment, Overlap, Covered])
+def test_the_page_of_contact_names_all_that_its_formulas_see(kind: type[Any]) -> None:
+    page = (Path(__file__).parents[3] / "docs" / "parts" / "contact.md").read_text()
+    (row,) = re.findall(rf"^\| `{kind.__name__}` \|.*$", page, re.MULTILINE)
+    assert not [name for name in members_of(kind).split(", ") if not re.search(rf"\b{name.rstrip('()')}\b", row)]
 
 
 def test_formulas_run_uncompiled_if_asked(monkeypatch: pytest.MonkeyPatch) -> None:

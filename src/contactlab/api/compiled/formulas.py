@@ -24,12 +24,12 @@ from typing import Any
 import numpy as np
 from numba.core.errors import NumbaError
 
-from contactlab.api import mathematics
+from contactlab.api import mathematics, segments, tensors
 from contactlab.api.compiled import dual, kernel, records
 from contactlab.api.compiled import mathematics as compiled_mathematics
 from contactlab.api.compiled.compiler import Kernel, Part
 from contactlab.api.compiled.unpack import unpack
-from contactlab.api.formulas import Formula, in_python
+from contactlab.api.formulas import Formula, in_python, members_of
 from contactlab.errors import WrongAnswer
 
 __all__ = ["FormulaError", "Slot", "compiled_point", "copied", "made", "methods_of", "plain", "slots"]
@@ -250,7 +250,11 @@ def _refuse(function: Any) -> None:
 
 def _refusal(file: str, line: int, got: str) -> str:
     text = linecache.getline(file, line).strip()
-    rows = f"{file}, line {line}: not for a formula: {text}", f"got      {got}", f"allowed  {_ALLOWED}"
+    unknown, allowed = _UNKNOWN.match(got), _ALLOWED
+    kind = (vars(segments) | vars(tensors)).get(unknown[2]) if unknown else None
+    if unknown and kind:
+        got, allowed = f"{unknown[2]} has no {unknown[1]}", members_of(kind)
+    rows = f"{file}, line {line}: not for a formula: {text}", f"got      {got}", f"allowed  {allowed}"
     return "\n  ".join((*rows, f"try      {_HINT}"))
 
 
@@ -278,6 +282,7 @@ _PLACE = re.compile(r'File "([^"]+)", line (\d+)|at (\S+\.py) \((\d+)\)')
 _SAYS = re.compile(
     r"No implementation|Unknown attribute|Untyped global|Use of|Cannot|Unsupported|Invalid|.*no attribute"
 )
+_UNKNOWN = re.compile(r"Unknown attribute '(\w+)' of type (\w+)")
 _ALLOWED = (
     "numbers, tuples of them, + - * / **, comparisons, min, max, abs, the functions of math, if, for, while, other "
     "functions of numbers"

@@ -88,7 +88,7 @@ def rest_after_a_fall(subject: Subject) -> None:
     question = Question("dropped-block")
     answer(subject, question)
     if not subject.part_class.keeps_energy:
-        tell("no step of contact made energy; declare keeps_energy = True")
+        tell("no step of contact made energy here; keeps_energy = True would hold the part to it in every check")
 
 
 def bars_exchange_their_momentum(subject: Subject) -> None:
