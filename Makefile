@@ -31,7 +31,7 @@ SMOKE := tests/unit/scene tests/unit/meshing tests/unit/jobs/test_archive.py tes
 smoke: $(INSTALLED)
 	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not full" $(SMOKE)
 
-# all physics; FULL=1 adds what is long and no physics (marked `full`), TESTS=FOLDER chooses
+# FULL=1 adds what is marked `full`: what is long, and more variants of the same; TESTS=FOLDER chooses
 test: $(INSTALLED)
 	$(BIN)/python -m pytest -n auto --dist worksteal --durations=60 $(if $(FULL),,-m "not full") $(TESTS)
 

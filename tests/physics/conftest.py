@@ -18,6 +18,9 @@ from contactlab.parts.registry import default_registry
 from contactlab.results.results import ContactCurve
 from contactlab.scene.scene import Scene
 
+MORTARS = ("mortar-p0", "mortar-p1")
+"""One code with two bases: a test of both runs with either by turns, and with both in the full tier."""
+
 PERIODS = 15.0
 """Ramp of a run with a history in periods of its lowest mode: `auto` takes 100, these settle with 15."""
 
@@ -36,6 +39,15 @@ class Ran(NamedTuple):
     def reaction(self, support: str) -> tuple[float, float]:
         fx, fy = self.summary["reactions"][support]
         return float(fx), float(fy)
+
+
+@pytest.hookimpl(tryfirst=True)  # before tests are left out by their marks
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark one of two tests that differ in the basis of the mortar alone as long."""
+    here = {item.nodeid: item for item in items if item.path.is_relative_to(Path(__file__).parent)}
+    others = {name: name.replace(*MORTARS) for name in here if MORTARS[0] in name}
+    for turn, pair in enumerate((name, other) for name, other in others.items() if other in here):
+        here[pair[turn % 2]].add_marker("full")
 
 
 Runs = Callable[..., Ran]

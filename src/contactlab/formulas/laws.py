@@ -47,6 +47,10 @@ class _Kernels:
         return self._made(self.template, "stress")
 
     @cached_property
+    def plain_stress(self) -> Any:
+        return plain(self.called("stress"))
+
+    @cached_property
     def tangent(self) -> Any:
         return self._made(points.tangent, "stress")
 
@@ -160,6 +164,6 @@ def wave_speeds(law: Material) -> tuple[float, float]:
     a, b, c, d = seeds([1.0, 0.0, 0.0, 1.0] if finite else [0.0] * 4)
     rest = Tensor(a, b, c, d, 1.0 if finite else 0.0)
     history = kernels.memory(*np.zeros(law.history_size).tolist()) if kernels.memory is not None else ()
-    found, _ = plain(kernels.called("stress"))(rest, history, 0.0, kernels.parameters(*values[:, 0].tolist()))
+    found, _ = kernels.plain_stress(rest, history, 0.0, kernels.parameters(*values[:, 0].tolist()))
     rows = (found.xx, found.yy, found.zz, found.xy)
     return speeds_of_moduli(law, np.stack([np.broadcast_to(getattr(row, "derivatives", 0.0), 4) for row in rows]))
