@@ -18,7 +18,7 @@ import contactlab
 from contactlab.cases.verdict import WORST
 from contactlab.errors import ContactlabError, RequestError
 from contactlab.parts.registry import default_registry
-from contactlab.reports.figures import house_style
+from contactlab.reports.figures import PAPER, house_style
 from contactlab.reports.notebook.bar import notebook_bar
 from contactlab.reports.notebook.canvas import label_places
 from contactlab.reports.notebook.fields import moment_of, names_of, values_of
@@ -78,8 +78,12 @@ class TestScene:
 
     def test_supports_and_loads_are_drawn(self) -> None:
         (axes,) = load_scene("disc-on-block").plot().axes
-        tips = {line.get_marker() for line in axes.lines}
-        assert {5, 6} <= tips  # held along x and along y
+        for line, away in zip(axes.lines, (-1.0, 1.0), strict=True):  # below the block, above the disc, both ways held
+            triangle = np.asarray(line.get_marker())
+            assert triangle[0].tolist() == [0.0, 0.0]
+            assert triangle[1:3, 1].tolist() == [away, away]
+            assert line.get_markerfacecolor() != PAPER
+
         (arrow,) = (text for text in axes.texts if getattr(text, "arrow_patch", None) is not None)  # the disc's way
         assert arrow.xy[1] < arrow.xyann[1]
 

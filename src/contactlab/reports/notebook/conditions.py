@@ -12,7 +12,7 @@ from contactlab.api.arrays import Floats, Ints
 from contactlab.api.drawing.colours import STYLES
 from contactlab.errors import Location
 from contactlab.parts.registry import default_registry
-from contactlab.reports.figures import INK, MUTED
+from contactlab.reports.figures import INK, MUTED, PAPER
 from contactlab.results.results import Results
 from contactlab.scene.scene import Scene
 from contactlab.scene.toml_text import parse_toml
@@ -20,7 +20,7 @@ from contactlab.scene.toml_text import parse_toml
 if TYPE_CHECKING:
     from contactlab.model.bodies.body import Body
 
-MARKS = 12  # of one support at most
+MARKS = 13  # of one support at most
 ARROWS = 9  # of one load at most
 LOAD = STYLES[4].colour
 
@@ -42,7 +42,9 @@ def draw_conditions(axes: Axes, scene: Scene, bodies: tuple[Body, ...], position
     size = max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
     for number, support in enumerate(scene.supports):
         nodes = nodes_of(bodies, support.on, scene.where(f"supports.{number}"))
-        _draw_support(axes, support, position[_thinned(nodes, position, MARKS)], 0.09 * size)
+        body = next(body for body in reversed(bodies) if body.first <= nodes[0])
+        middle = position[body.first : body.first + body.count].mean(axis=0)
+        _draw_support(axes, support, position[_thinned(nodes, position, MARKS)], middle, 0.09 * size)
     for number, load in enumerate(scene.loads):
         _, edges = edge_set(bodies, load.on, scene.where(f"loads.{number}"))
         _draw_load(axes, load, position[edges[:, :2]], 0.07 * size)
@@ -55,17 +57,18 @@ def _thinned(nodes: Ints, position: Floats, most: int) -> Ints:
     return np.asarray(ordered[np.unique(np.linspace(0, len(ordered) - 1, min(most, len(ordered))).round().astype(int))])
 
 
-def _draw_support(axes: Axes, support: Any, places: Floats, length: float) -> None:
-    style: dict[str, Any] = {
-        "linestyle": "",
-        "markersize": 5.0,
-        "markerfacecolor": "white",
-        "markeredgecolor": MUTED,
-        "zorder": 4,
-    }
-    for value, marker in ((support.ux, 5), (support.uy, 6)):  # carets with their tips at the node
-        if value is not None:
-            axes.plot(*places.T, marker=marker, **style)
+def _draw_support(axes: Axes, support: Any, places: Floats, middle: Floats, length: float) -> None:
+    """Triangles outside the body whose tips are at its nodes: full ones hold both directions, open ones their own."""
+    held = [axis for axis, value in enumerate((support.ux, support.uy)) if value is not None]
+    if not held:
+        return
+    axis = held[0] if len(held) == 1 else int(np.argmin(np.ptp(places, axis=0)))
+    outward = 1.0 if places[:, axis].mean() > middle[axis] else -1.0
+    triangle = np.array([[0.0, 0.0], [outward, -0.6], [outward, 0.6], [0.0, 0.0]])
+    axes.plot(
+        *places.T, linestyle="", marker=triangle if axis == 0 else triangle[:, ::-1], markersize=14.0,
+        markerfacecolor=MUTED if len(held) == 2 else PAPER, markeredgecolor=MUTED, zorder=4, clip_on=False,
+    )  # fmt: skip
     direction = np.array([_motion(support.ux), _motion(support.uy)])
     if direction.any():
         _arrow(axes, places.mean(axis=0), length * direction / np.hypot(*direction), INK)

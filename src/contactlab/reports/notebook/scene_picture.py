@@ -70,4 +70,4 @@ def _contacts(axes: Axes, scene: Scene, meshes: Mapping[str, Any]) -> None:
                 axes.add_collection(LineCollection(lines, colors=colour, linewidths=width, label=named))
                 drawn.add(label)
     if drawn:
-        axes.legend(loc="best", fontsize=8.5)
+        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8.5)
