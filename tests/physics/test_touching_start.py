@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import contactlab
+from contactlab.errors import SceneError
 from contactlab.model.build import build
 from contactlab.scene.scene import Scene
 
@@ -103,3 +104,41 @@ def test_a_gap_of_zero_holds_for_whatever_holds_a_node_at_a_flush_end(apart: flo
     ends before the other: the distance of the start must not count under the one and be missed under the other.
     """
     assert plates(apart, {"start": {"gap": "zero"}}) == pytest.approx(plates(0.0, {}), rel=5e-3)
+
+
+def rings(algorithm: str, interference: float, tension: float = 0.0) -> Scene:
+    """Half a ring in half another one, with unlike facets; inside a tension where there is one."""
+    steel = {"use": "linear-elastic", "young": 2e5, "poisson": 0.3, "density": 7.8e-9}
+    parts = {"outer": ([10.0, 14.0], 24), "inner": ([6.0, 10.0 + interference], 32)}
+    data: dict[str, Any] = {
+        "format": 1, "integrator": {"use": "newton"}, "record": {"recorders": []}, "materials": {"steel": steel},
+        "bodies": {
+            name: {
+                "element": "q1", "material": "steel",
+                "mesh": {"use": "ring", "radii": radii, "cells": [cells, 4], "angles": [0.0, 180.0]},
+            }
+            for name, (radii, cells) in parts.items()
+        },
+        "contacts": [{"slave": "inner.outer", "master": "outer.inner", "algorithm": algorithm}],
+        "supports": [{"on": f"{name}.{end}", "uy": 0.0} for name in parts for end in ("start", "end")],
+        "effects": [{"use": "spring", "on": f"{name}.start", "stiffness": [1.0, 0.0]} for name in parts],
+        "loads": [{"on": "inner.inner", "pressure": tension}],
+    }  # fmt: skip
+    return Scene.from_data(data)
+
+
+@pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1"])
+def test_facets_of_curves_that_fit_touch_and_press_nothing(algorithm: str) -> None:
+    """Pressed by 10 MPa inside, two rings are one: Lame's pressure between them; without load there is none."""
+    assert contactlab.simulate(rings(algorithm, 0.0)).contact["contacts.0"].last.pressure.max() == 0.0
+    curve = contactlab.simulate(rings(algorithm, 0.0, tension=10.0)).contact["contacts.0"].last
+    exact = 10.0 * (14.0**2 / 10.0**2 - 1.0) / (14.0**2 / 6.0**2 - 1.0)
+    # bilinear cells of 7 degrees; those at the ends are held along the cut
+    assert np.mean(curve.pressure) == pytest.approx(exact, rel=0.03)
+
+
+@pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1"])
+def test_an_interference_below_the_depth_of_the_facets_is_no_fit(algorithm: str) -> None:
+    """Facets are 0.02 deep; an interference of 0.005 that nothing declares would come to nothing in silence."""
+    with pytest.raises(SceneError, match="overlap before the run"):
+        contactlab.simulate(rings(algorithm, 0.005))

@@ -1,4 +1,4 @@
-"""Turns of a contact surface: facets of a curve, which finer cells follow, and kinks, which belong to the shape."""
+"""Kinks of contact surfaces, which belong to the shape, unlike turns of a curve, which finer cells follow."""
 
 from __future__ import annotations
 
@@ -13,19 +13,7 @@ from contactlab.meshing.turns import facet_lengths, turns
 if TYPE_CHECKING:
     from contactlab.contact.pair import ContactPair
 
-CORNER = 0.6
-"""Angle [rad] between segments above which a node is a corner, and no part of a curve."""
-
 KINK = 1e-3, 0.3  # rad: smaller turns are those of rounded coordinates, larger ones falsify pressures along one normal
-
-
-def facet_depths(surface: Surface, reference: Floats) -> Floats:
-    """Distance (m,) [mm] of a smooth curve from its facets at each node that turns: length times angle over 8.
-
-    A node belongs to a curve if the surface turns by a like angle at a node near by; the facet is what lies between.
-    """
-    angle, length = np.abs(turns(surface, reference)), facet_lengths(surface, reference)
-    return np.asarray(np.where((angle < CORNER) & np.isfinite(length), angle * np.nan_to_num(length) / 8.0, 0.0))
 
 
 def kinks(surface: Surface, reference: Floats) -> Flags:

@@ -6,7 +6,7 @@ import numpy as np
 
 from contactlab.api import ContactCurve, Floats, Ints
 from contactlab.api.arrays import Flags
-from contactlab.results.facets import CORNER
+from contactlab.meshing.curves import CORNER
 
 
 def pressure_saw(curve: ContactCurve, cusps: Flags | None = None) -> float:

@@ -10,7 +10,8 @@ import numpy as np
 from contactlab.api import ContactCurve, Floats, Ints, RunWarning, SegmentContact, Surface
 from contactlab.api.arrays import Flags
 from contactlab.errors import SimulationFailure
-from contactlab.results.facets import cusps, facet_depths
+from contactlab.meshing.curves import facet_depths
+from contactlab.results.facets import cusps
 from contactlab.results.invariants import ROUND, invariants
 from contactlab.run.breaches import breach
 from contactlab.run.end_lengths import end_lengths
@@ -64,7 +65,7 @@ def judge(model: Model, sample: Sample | None, closed: Flags, largest_force: flo
 
 
 def _never_closed(model: Model, pair: ContactPair, report: ContactReport) -> RunWarning:
-    if report.max_penetration > 0.0:
+    if report.max_penetration > 0.0 and pair.start_distance is None:
         return RunWarning(
             "open-contact", -report.max_penetration, 0.0, pair.name,
             f"{pair.name}: no force in any step, yet the {report.penetrating_side} lies up to "

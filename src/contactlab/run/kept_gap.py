@@ -13,9 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from scipy.sparse.linalg import splu
 
-from contactlab.api import Floats, Surface
-from contactlab.meshing.turns import turns
-from contactlab.results.facets import facet_depths
+from contactlab.meshing.curves import distances_to_curve
 from contactlab.run.stability import linearised
 
 if TYPE_CHECKING:
@@ -23,7 +21,6 @@ if TYPE_CHECKING:
     from contactlab.model.implicit_model import ImplicitModel
 
 HIGH = 0.01  # of a force or of the largest displacement
-PAIRS = 250_000  # of points and segments that are compared at a time
 
 
 class KeptGap(NamedTuple):
@@ -54,10 +51,8 @@ def kept_gaps(model: ImplicitModel, pairs: list[ContactPair], stored: float) -> 
     for pair in pairs:
         pressed = np.flatnonzero(force[pair.own])
         own = pair.slave.nodes[pressed % len(pair.slave.nodes)]
-        size = max(1, PAIRS // len(pair.master.segments))
-        for some in range(0, len(own), size):
-            points = model.position[own[some : some + size]]
-            apart[pair.own][pressed[some : some + size]] = _signed_distances(points, model, pair.master)
+        points = model.position[own]
+        apart[pair.own][pressed] = distances_to_curve(points, pair.master, model.position, model.reference)
     apart -= np.where(force > 0.0, model.contact.conditions.gap, 0.0)  # what a penalty leaves
     if not force @ np.abs(apart) > HIGH * stored > 0.0:
         return
@@ -78,25 +73,3 @@ def kept_gaps(model: ImplicitModel, pairs: list[ContactPair], stored: float) -> 
             furthest = int(np.abs(apart[pair.own]).argmax())
             node = pair.slave.nodes[furthest % len(pair.slave.nodes)]
             yield KeptGap(pair, node, float(apart[pair.own][furthest]), share, moved)
-
-
-def _signed_distances(points: Floats, model: ImplicitModel, surface: Surface) -> Floats:
-    """Distances (n,) of some points to the curve through the nodes of a surface, negative inside.
-
-    Beyond the end of a chain they are those along the normal of its last segment: no surface is there to stand off.
-    """
-    position = model.position
-    begin, end = (position[surface.nodes[surface.segments[:, k]]] for k in range(2))
-    along, apart = end - begin, points[:, None] - begin
-    at = (apart * along).sum(axis=2) / (along**2).sum(axis=1)
-    last = surface.node_segments[surface.segments, [0, 1]] < 0  # chain ends at the start, at the end of a segment
-    beyond = ((at < 0.0) & last[:, 0]) | ((at > 1.0) & last[:, 1])
-    at = np.clip(at, 0.0, 1.0)
-    apart = apart - at[..., None] * along
-    nearest = (apart**2).sum(axis=2).argmin(axis=1)
-    every = np.arange(len(points))
-    off, edge, at = apart[every, nearest], along[nearest], at[every, nearest]
-    height = (off[:, 0] * edge[:, 1] - off[:, 1] * edge[:, 0]) / np.hypot(*edge.T)
-    depths = facet_depths(surface, model.reference) * np.sign(turns(surface, model.reference))
-    bulge = 4.0 * at * (1.0 - at) * depths[surface.segments[nearest, :2]].mean(axis=1)
-    return np.asarray(np.where(beyond[every, nearest], height, np.copysign(np.hypot(*off.T), height)) - bulge)

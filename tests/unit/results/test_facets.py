@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from contactlab.api import Floats, Surface
+from contactlab.meshing.curves import facet_depths
 from contactlab.meshing.mesh import surface_from_edges
-from contactlab.results.facets import facet_depths, kinks
+from contactlab.results.facets import kinks
 
 
 def surface(points: Floats, closed: bool = False) -> Surface:

@@ -10,10 +10,11 @@ import numpy as np
 from contactlab.api import Floats
 from contactlab.api.arrays import Flags
 from contactlab.contact.pair import ContactPair, initial_gaps, start_distances
-from contactlab.contact.start_gaps import FacetOverlap, RampedOverlap
+from contactlab.contact.start_gaps import FacetOverlap, FittedFacets, RampedOverlap
 from contactlab.errors import SceneError, below
 from contactlab.kernels.contact.factored_rows import FAR
 from contactlab.kernels.contact.penetration import depths, with_midpoints
+from contactlab.meshing.curves import distances_to_curve, facet_depths
 from contactlab.meshing.mesh import inverted_cells
 from contactlab.model.bodies.body import Body, positions_of
 from contactlab.model.contact.checks import check_overlap, overlap_error
@@ -27,6 +28,7 @@ ROUND = 1e-6  # segment lengths: pushing so little out in one step costs a milli
 SETTLED = 1e-12  # segment lengths left after an adjustment
 ROUNDS = 60
 FEWEST_STEPS = 100
+CURVED = 0.05  # of the depth of facets: what a parabola through three nodes may leave of a curve
 
 
 def adjusted_bodies(
@@ -102,20 +104,33 @@ def refuse_overlap(plan: Any, pair: Any, bodies: tuple[Body, ...], positions: Fl
     """Raise SceneError for an overlap that the contact does not say how to treat.
 
     Both must tell it: the shapes, and the algorithm that would push it out. A weighted gap alone may be a
-    little negative where nothing overlaps, a shape alone where curved surfaces have different chords.
+    little negative where nothing overlaps, a shape alone where curved surfaces have different chords. If both do, and
+    no node lies within the curve of the other side, facets of curves that fit overlap: they count as touching.
     """
     treated = plan.start.overlap == "ramp" or plan.start.gap == "zero"
     check_overlap(plan.slave, plan.master, bodies, positions, treated, plan.where)
     slack = ROUND * pair.size
     if treated or initial_gaps(pair, positions).min() >= -slack:
         return
+    fit = not pair.by_energy and _curves_fit(pair, positions)
     sides = (pair.at.slave, plan.slave, plan.sides[1]), (pair.at.master, plan.master, plan.sides[0])
     for (points, own, inside), (other, chain, _) in (sides, sides[::-1]):
         points = with_midpoints(points, own.segments)
         depth = depths(points, other, chain.segments, pair.size)
         worst = int(np.argmax(depth))
-        if depth[worst] > slack:
+        if depth[worst] > slack and not fit:
             raise overlap_error(float(depth[worst]), points[worst], inside, False, plan.where)
+        if depth[worst] > slack and pair.start_gaps is None:
+            pair.start_gaps = FittedFacets(start_distances(pair, positions))
+
+
+def _curves_fit(pair: ContactPair, positions: Floats) -> bool:
+    """Whether no node of either side lies within the curve of the other: facets alone overlap."""
+    for own, other in ((pair.slave, pair.master), (pair.master, pair.slave)):
+        deepest = float(distances_to_curve(positions[own.nodes], other, positions, positions).min())
+        if deepest < -(ROUND * pair.size + CURVED * float(facet_depths(other, positions).max())):
+            return False
+    return True
 
 
 def ramped_overlap(pair: ContactPair, time: Floats, duration: float, positions: Floats) -> RampedOverlap:

@@ -1,0 +1,53 @@
+"""Curves through the nodes of a surface, which its facets follow: how far both lie apart, and points off a curve."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contactlab.api import Floats, Surface
+from contactlab.meshing.turns import facet_lengths, turns
+
+CORNER = 0.6
+"""Angle [rad] between segments above which a node is a corner, and no part of a curve."""
+
+PAIRS = 250_000  # of points and segments that are compared at a time
+
+
+def facet_depths(surface: Surface, reference: Floats) -> Floats:
+    """Distance (m,) [mm] of a smooth curve from its facets at each node that turns: length times angle over 8.
+
+    A node belongs to a curve if the surface turns by a like angle at a node near by; the facet is what lies between.
+    """
+    angle, length = np.abs(turns(surface, reference)), facet_lengths(surface, reference)
+    return np.asarray(np.where((angle < CORNER) & np.isfinite(length), angle * np.nan_to_num(length) / 8.0, 0.0))
+
+
+def distances_to_curve(points: Floats, surface: Surface, position: Floats, reference: Floats) -> Floats:
+    """Distances (n,) [mm] of points (n, 2) to the curve through the nodes of a surface, negative inside.
+
+    Beyond the end of a chain they are those along the normal of its last segment: no surface is there to stand off.
+
+    position   (N, 2) [mm] of the model's nodes; reference: where they were, which tells facets from kinks
+    """
+    depths = facet_depths(surface, reference) * np.sign(turns(surface, reference))
+    size = max(1, PAIRS // len(surface.segments))
+    parts = (points[first : first + size] for first in range(0, len(points), size))
+    return np.concatenate([np.zeros(0), *(_distances(part, surface, position, depths) for part in parts)])
+
+
+def _distances(points: Floats, surface: Surface, position: Floats, depths: Floats) -> Floats:
+    begin, end = (position[surface.nodes[surface.segments[:, k]]] for k in range(2))
+    along, apart = end - begin, points[:, None] - begin
+    at = (apart * along).sum(axis=2) / (along**2).sum(axis=1)
+    last = surface.node_segments[surface.segments, [0, 1]] < 0  # chain ends at the start, at the end of a segment
+    beyond = ((at < 0.0) & last[:, 0]) | ((at > 1.0) & last[:, 1])
+    at = np.clip(at, 0.0, 1.0)
+    apart = apart - at[..., None] * along
+    nearest = (apart**2).sum(axis=2).argmin(axis=1)
+    every = np.arange(len(points))
+    off, edge, at = apart[every, nearest], along[nearest], at[every, nearest]
+    height = (off[:, 0] * edge[:, 1] - off[:, 1] * edge[:, 0]) / np.hypot(*edge.T)
+    both = depths[surface.segments]
+    both = np.where(last, both[:, ::-1], both)  # an end has no turn of its own
+    bulge = 4.0 * at * (1.0 - at) * both.mean(axis=1)[nearest]
+    return np.asarray(np.where(beyond[every, nearest], height, np.copysign(np.hypot(*off.T), height)) - bulge)
