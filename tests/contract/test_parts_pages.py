@@ -36,7 +36,8 @@ def test_a_page_shows_the_part_that_is_tested(kind: str) -> None:
     """tests/contract/test_strangers.py builds, installs and runs the packages with these very files."""
     ((name, text),) = files_of(f"{kind}.md").items()
     assert name == f"src/my_{kind}/{kind}.py"
-    assert text == plugin_files(kind, f"my-{kind}")[name]
+    start = "rows" if kind == "contact" else ""  # formulas are on a page of their own
+    assert text == plugin_files(kind, f"my-{kind}", start=start)[name]
 
 
 def test_every_page_is_found_from_the_first() -> None:
