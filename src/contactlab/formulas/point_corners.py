@@ -2,7 +2,9 @@
 
 A node of the slave that lies on a flank beside a corner is pressed along the flank's normal, and friction leans with
 it; a corner between two nodes is not held at all. So where no flank of a corner leads into the slave, the corner itself
-is pressed along the normal of the slave's segment. All sections work on a `Points` table t; v is the corner.
+is pressed along the normal of the slave's segment. So is the deepest vertex of an arc that turns within a segment:
+between two nodes it would sink in by an eighth of the segment times its turn, and the next node would catch behind it.
+All sections work on a `Points` table t; v is the corner.
 """
 
 from __future__ import annotations
@@ -12,19 +14,49 @@ from contactlab.formulas.point_pieces import EDGE, LEAVE
 from contactlab.formulas.segment_normals import node
 
 CORNER = 0.5  # sine by which a master turns outward at a corner
+ARC = 0.25  # the same of an arc, over a slave segment: forces on a node that rides up on one lean by half of it
+WITHIN = 0.99  # slave segments: in meshes that match, each segment of the slave sees one vertex
 RISE = -0.05
 CLOSE = 0.05  # of a segment: a slave node so near to a corner holds nothing beside it
 
 
 @point
-def _is_corner(t, v):
-    """Whether the master ends or turns outward at its node v."""
+def _turns(one, other, least):
+    """Whether a surface turns outward between two normals by more than the sine `least`."""
+    turn = one.cross(other)
+    return turn > least or (turn > 0.0 and one @ other < 0.0)
+
+
+@section
+def _rounded(t, v, one, other, s):
+    """Whether node v is the deepest of an arc that turns within the length of slave segment s as a corner does.
+
+    Two neighbours are, where what joins them is parallel to the segment up to a quarter of a turn.
+    """
+    surface, facing, tie = t.sides.master, node(t.slave_normal, s), -min(-RISE, 0.25 * one.cross(other))
+    if not (facing.cross(one) >= tie and other.cross(facing) >= tie):
+        return False
+    for side in range(2):
+        m, way = surface.node_segments[v, side], t.master_length[surface.node_segments[v, side]]
+        while way < WITHIN * t.slave_length[s]:
+            m = surface.node_segments[surface.segments[m, side], side]
+            if m < 0:
+                break
+            way += t.master_length[m]
+            end = node(t.master_normal, m)
+            if _turns(end, other, ARC) if side == 0 else _turns(one, end, ARC):
+                return True
+    return False
+
+
+@section
+def _is_corner(t, v, s):
+    """Whether the master ends or turns outward at its node v, seen from slave segment s."""
     before, after = t.sides.master.node_segments[v, 0], t.sides.master.node_segments[v, 1]
     if before < 0 or after < 0:
         return True
     one, other = node(t.master_normal, before), node(t.master_normal, after)
-    turn = one.cross(other)
-    return turn > CORNER or (turn > 0.0 and one @ other < 0.0)
+    return _turns(one, other, CORNER) or (one.cross(other) > 0.0 and _rounded(t, v, one, other, s))
 
 
 @point
@@ -64,15 +96,20 @@ def _rises(t, s, v, gap):
 
 @section
 def find_corners(t, reach, depth):
-    """The slave segment that each corner of the master presses on; whether there is any."""
+    """The slave segment that each corner of the master presses on; whether there is any.
+
+    Marks in `t.carried` the nodes that a corner is close to.
+    """
     for v in range(t.corner_on.size):
         t.corner_on[v] = -1
+    for i in range(t.carried.size):
+        t.carried[i] = 0
     found = False
     for s in range(t.sides.slave.segments.shape[0]):
         for z in range(t.sides.near.start[s], t.sides.near.start[s + 1]):
             for end in range(2):
                 v = t.sides.master.segments[t.sides.near.master[z], end]
-                if not _is_corner(t, v):
+                if not _is_corner(t, v, s):
                     continue
                 gap = _outside(t, s, v)
                 if gap > reach or gap < -depth:
@@ -86,6 +123,10 @@ def find_corners(t, reach, depth):
                     continue
                 if t.corner_on[v] < 0 or abs(gap) < abs(_outside(t, t.corner_on[v], v)):
                     t.corner_on[v], t.corner_share[v], found = s, share, True
+    for v in range(t.corner_on.size if found else 0):
+        s, share = t.corner_on[v], t.corner_share[v]
+        if s >= 0 and (share < CLOSE or share > 1.0 - CLOSE):
+            t.carried[t.sides.slave.segments[s, 0 if share < CLOSE else 1]] = v + 1
     return found
 
 
@@ -128,16 +169,6 @@ def put_corners(t, count, taken):
 def stands_for(t, i, m, v):
     """Whether a corner that presses on the slave stands for what holds node i.
 
-    It is an end of master segment m close to the node, or, where m is negative, vertex v.
+    It is close to the node, which master segment m holds, or, where m is negative, vertex v.
     """
-    if m < 0:
-        return t.corner_on[v] >= 0
-    for end in range(2):
-        v = t.sides.master.segments[m, end]
-        s = t.corner_on[v]
-        if s >= 0 and (
-            (t.sides.slave.segments[s, 0] == i and t.corner_share[v] < CLOSE)
-            or (t.sides.slave.segments[s, 1] == i and t.corner_share[v] > 1.0 - CLOSE)
-        ):
-            return True
-    return False
+    return t.corner_on[v] >= 0 if m < 0 else t.carried[i] > 0

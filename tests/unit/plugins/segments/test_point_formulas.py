@@ -86,6 +86,10 @@ SURFACES = {
     "sunk": above([[-0.5, 0.0], [0.02, -0.04], [0.5, 0.0]], [[-1.0, 0.02], [0.0, 0.0], [0.02, 0.001], [1.0, -0.1]]),
     "valley": above([[-0.2, 0.21], [0.01, 0.1], [0.2, 0.23]], [[-1.0, 0.5], [0.0, 0.0], [1.0, 0.5]]),
     "corner": above([[-1.0, 0.31], [-0.1, 0.3], [0.4, 0.33]], [[-1.0, -0.6], [0.05, 0.02], [1.0, -0.6]]),
+    "arc": above(
+        [[-1.0, 0.31], [-0.1, 0.3], [0.4, 0.33]],
+        [[-1.0, -0.6], [-0.06, -0.03], [0.02, -0.013], [0.1, -0.03], [1.0, -0.6]],
+    ),
 }
 
 
@@ -144,15 +148,16 @@ def test_derivatives_are_central_differences(name: str, algorithm: Any) -> None:
 
 
 def test_surfaces_have_every_kind_of_piece() -> None:
-    """On a segment, a parabola, at a vertex along the line and along the mean, in a concave corner, under a corner."""
+    """On a segment, a parabola, at a vertex along the line and along the mean, in a concave corner, under corners."""
     kinds = set()
     for name, at in SURFACES.items():
         view = view_of(Nodes, at, at.nodes)
         pieces, count = pieces_of(Nodes(), view)
         for p in range(count):
             point, holder = pieces.segment[p]
-            kinds.add("corner" if point < 0 else "parabola" if pieces.ends[p, 2] else "vertex" if holder < 0 else name)
-    assert kinds >= {"corner", "parabola", "vertex", "curved", "valley"}
+            held = "parabola" if pieces.ends[p, 2] else "vertex" if holder < 0 else name
+            kinds.add(f"under the {name}" if point < 0 else held)
+    assert kinds >= {"under the corner", "under the arc", "parabola", "vertex", "curved", "valley"}
 
 
 @pytest.mark.parametrize("name", SURFACES)
