@@ -238,6 +238,21 @@ def test_a_block_that_sticks_is_as_stiff_as_with_a_mortar() -> None:
     np.testing.assert_allclose(force["midplane"] / force["mortar-p1"], 1.0, atol=0.02)
 
 
+def test_friction_of_a_hold_is_that_of_the_motion_before() -> None:
+    """A top that stops half-way: its reaction stays, and the contact shows it; a step without slip has no friction."""
+    held = {"ramp": "table", "points": [[0.0, 0.0], [0.5, 1.0], [1.0, 1.0]]}
+    top = {"on": "upper.top", "ux": held | {"to": 0.02}, "uy": held | {"to": -DOWN}}
+    changes = {
+        "contacts.0.friction": {"use": "coulomb", "mu": 0.5},
+        "supports": [{"on": "lower.bottom", "ux": 0.0, "uy": 0.0}, top],
+        "integrator.steps": 4,
+    }
+    history = run(blocks((4, 3), **changes)).history
+    force = history["upper.top.fx"][history["time"] >= 0.5]
+    np.testing.assert_allclose(force, force[-1], rtol=1e-9)
+    np.testing.assert_allclose(np.abs(history["contacts.0.fx"][-1]), np.abs(force[-1]), rtol=1e-6)
+
+
 def test_a_block_that_meets_another_gives_it_its_momentum() -> None:
     """Implicit dynamics: momentum is kept, and of the speed all changes over but what twenty cells keep in waves."""
     speed, end, steps = 20.0, 2.4e-4, 120

@@ -105,9 +105,14 @@ class PotentialPair(GapPair):
 
     def _friction(self) -> Floats:
         """The gradient of friction; where nothing has moved yet, what it was at the end of the last step."""
-        if np.array_equal(self.at_nodes, self.view.start):
+        if self.still:
             return np.array(self.kept)
         return self._checked(self.potential.friction_gradient(self.view, self.at_nodes), "friction_gradient")
+
+    @property
+    def still(self) -> bool:
+        """Whether nothing has moved since the step started."""
+        return np.array_equal(self.at_nodes, self.view.start)
 
     def _checked(self, found: Any, method: str) -> Floats:
         if np.shape(found) != self.at_nodes.shape:
@@ -201,6 +206,8 @@ class PotentialPair(GapPair):
         segment_normals(self.at.slave, segments, across, lengths)
         nodal_normals(self.slave.node_segments, across, lengths, normal)
         push, rub = self._shown(normal)
+        if self.rubbed is not None and self.still:
+            rub = -self.rubbed[:m]  # without slip the potential has none of its own
         pressed = (push * normal).sum(axis=1) < 0.0
         # nodes are pushed along their forces, so that these sum up to what acts
         size = np.where(pressed, np.hypot(*push.T), 1.0)
