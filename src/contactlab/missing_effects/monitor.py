@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from contactlab.scene.scene import Scene
 
 DETECTORS = (
-    strain_detectors, locking_detectors, quasi_static_detectors, side_detectors, leaning_detectors, overlap_detectors,
+    strain_detectors, locking_detectors, quasi_static_detectors, leaning_detectors, overlap_detectors,
 )  # fmt: skip
-# their energies are small in early frames, and shares of them mean nothing there
-AT_THE_END = (bending_detectors, work_detectors)
+# their energies and forces are small in early frames, and shares of them mean nothing there
+AT_THE_END = (bending_detectors, work_detectors, side_detectors)
 KEY = "looks"  # in checkpoints: files keep their names
 
 

@@ -48,14 +48,13 @@ class WrongSide:
 
     worst  largest median ratio of slave to master segments where they press; the sum of the forces of all frames, and
            of forces times the squared sine of their lean against the smoother side, as they act and as the rougher
-           side's normals would have them act
-    aside  the sum of forces times the sine of their lean against the slave where both sides are as smooth: nodes that
-           slid off convex vertices of the master, all to one side
+           side's normals would have them act; and the sum of forces times the sine of their lean against the slave
+           where both sides are as smooth: nodes that slid off convex vertices of the master, all to one side
     """
 
     def __init__(self, pair: Any, spec: Contact, model: Model, stiffness: float) -> None:
         self.pair, self.spec, self.model, self.stiffness = pair, spec, model, stiffness
-        self.worst, self.aside = np.zeros(4), 0.0
+        self.worst = np.zeros(6)
 
     def update(self) -> None:
         """Take in segment lengths and normals at the slave nodes that are pressed now."""
@@ -84,12 +83,14 @@ class WrongSide:
         own = -_nodal_normals(slave, pair.slave)[nodes]
         # curves of smooth surfaces turn alike on both sides, however coarse their segments are
         if max(rough) <= ROUGHER * min(rough) or pair.smooth is not None:
-            self.aside += float(forces @ _cross(normals, own))
+            self.worst[5] += forces @ _cross(normals, own)
             self.worst[1] += forces.sum()
             return
         other = _segment_normals(master, pair.master)[found]
         right, wrong = (other, own) if rough[0] > rough[1] else (own, other)
-        self.worst[1:] += forces.sum(), forces @ _cross(normals, right) ** 2, forces @ _cross(wrong, right) ** 2
+        lean, other_lean = (float(forces @ _cross(normal, right) ** 2) for normal in (normals, wrong))
+        along = other if getattr(pair.method, "points", None) == 0 else own
+        self.worst[1:5] += forces.sum(), lean, other_lean, other_lean if along is right else 0.0
 
     def warning(self) -> RunWarning | None:
         """Advise the other side as slave if forces lean, or if that side is softer or finer and no force would lean.
@@ -97,13 +98,13 @@ class WrongSide:
         Stiffness and coarseness count for methods that fail the patch test: on finished cells of the quick matrix these
         alarms are right for 6 of 6 such runs, and for none of 13 mortars, whose errors do not depend on the side.
         """
-        coarseness, force, *squares = (float(number) for number in self.worst)
-        lean, other_lean = np.sqrt(np.array(squares) / max(force, np.finfo(float).tiny))
+        coarseness, force, *squares, aside = (float(number) for number in self.worst)
+        lean, other_lean, exchanged = np.sqrt(np.array(squares) / max(force, np.finfo(float).tiny))
         limit = LEAN if self.spec.friction else FRICTIONLESS
-        if lean > limit:
+        if lean > max(limit, exchanged):  # so that the exchanged contact does not get the advice to exchange back
             seen = f"normals of facets lean by {np.degrees(lean):.2g} degrees against the smoother side"
             return self._swap(float(lean), limit, f"{seen}, and forces with them", "its normals are better known")
-        if (aside := abs(self.aside) / max(force, np.finfo(float).tiny)) > LEAN:
+        if (aside := abs(aside) / max(force, np.finfo(float).tiny)) > LEAN:
             seen = f"normals of facets lean by {np.degrees(aside):.2g} degrees to one side, and forces with them"
             return self._swap(aside, LEAN, seen, "slave nodes stand beside vertices of the master, where it turns")
         if other_lean > LEAN or self.pair.method.passes_patch_test:
