@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 import re
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
 from contactlab.api import RunWarning
 from contactlab.missing_effects.monitor import EffectMonitor
+from contactlab.missing_effects.sides import WrongSide
 from contactlab.model.build import build
 from contactlab.parts.registry import default_registry
 from contactlab.run.simulation import simulate
@@ -154,6 +156,20 @@ def test_potentials_are_not_advised_on_the_side_of_the_slave() -> None:
             contact["friction"] = {"use": "coulomb", "mu": 0.2}
         found = [warning.code for warning in warnings_of(scene | {"contacts": [contact]})]
         assert ("other-slave" in found) == advised, (algorithm, friction)
+
+
+@pytest.mark.parametrize("leaning", [0.0, 0.2, 0.5, 0.8, 1.0])
+def test_no_contact_is_advised_to_exchange_its_sides_both_ways(leaning: float) -> None:
+    """Forces lean in a share of the frames; exchanged, the same forces lean in the others."""
+    advised = []
+    for share in (leaning, 1.0 - leaning):
+        pair = SimpleNamespace(name="contacts.0", method=SimpleNamespace(passes_patch_test=True))
+        spec = SimpleNamespace(name=None, swap=False, friction=object())
+        detector = WrongSide(pair, cast(Any, spec), cast(Any, None), 1.0)
+        detector.worst[1:5] = 1.0, share * 0.1, 0.1, (1.0 - share) * 0.1
+        advised.append(detector.warning() is not None)
+    assert not all(advised)
+    assert any(advised) == (leaning != 0.5)
 
 
 def test_a_run_that_nothing_resists_is_not_only_told_to_be_slower() -> None:
