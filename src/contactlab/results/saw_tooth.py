@@ -8,6 +8,8 @@ from contactlab.api import ContactCurve, Floats, Ints
 from contactlab.api.arrays import Flags
 from contactlab.meshing.curves import CORNER
 
+EVENLY = 16  # nodes to the next pressed one: so much finer a side may be than facets of the other that press it
+
 
 def pressure_saw(curve: ContactCurve, cusps: Flags | None = None) -> float:
     """The larger saw-tooth of nodal pressures, and of multipliers where they do not overshoot at an edge of contact."""
@@ -30,7 +32,8 @@ def saw_tooth(
     at: those with pressed neighbours of their own state, so many `beside` on either side. Kinks between sticking and
     slipping nodes count for nothing. A cusp of the exact pressure looks like a tooth: nodes beside one of the `cusps`
     (m,) count for nothing either. `fewest`: nodes that have to be looked at to speak of teeth; with three, one differs.
-    Nodes that alone are pressed, between pressed ones two or three nodes off, are teeth by half of their value.
+    Nodes that alone are pressed, between pressed ones two or three nodes off or evenly spaced, are teeth by half of
+    their value.
     """
     largest = max(float(np.abs(values).max(initial=0.0)), least)
     if largest == 0.0:
@@ -52,11 +55,13 @@ def _heights(inner: Ints, values: Floats, fewest: int) -> tuple[Floats, int]:
 
 
 def _alone(curve: ContactCurve) -> Ints:
-    """Pressed nodes with one or two open ones on either side, and pressed ones behind those, of the same chain."""
+    """Pressed nodes with one or two open ones on either side, or as many on both, and pressed ones behind those."""
     pressed = np.flatnonzero(curve.nodal_pressure > 0.0)
-    apart = np.diff(pressed)
-    near = (apart > 1) & (apart <= 3) & (np.diff(curve.chain[pressed]) == 0)
-    return np.asarray(pressed[1:-1][near[:-1] & near[1:]], np.int32)
+    apart = np.where(np.diff(curve.chain[pressed]) == 0, np.diff(pressed), len(curve.chain))
+    before, after = apart[:-1], apart[1:]
+    evenly = (np.abs(before - after) <= 1) & (np.maximum(before, after) <= EVENLY)
+    near = (np.minimum(before, after) > 1) & (evenly | (np.maximum(before, after) <= 3))
+    return np.asarray(pressed[1:-1][near], np.int32)
 
 
 def _inner(curve: ContactCurve, cusps: Flags | None, beside: int) -> Ints:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from contactlab.api import RunWarning
+import numpy as np
+
+from contactlab.api import Floats, RunWarning, Surface
 from contactlab.model.model import Model
 from contactlab.results.invariants import Invariant
 
+COARSER = 1.8  # times the segments of the slave
 FINER = "refine the cells along both surfaces (level)"
 TEXTS: dict[str, tuple[str, str, str]] = {
     "not-finite": ("integrator", "an energy of the last frame is not finite", "check loads and material models"),
@@ -78,9 +81,19 @@ def _cure(one: Invariant, model: Model) -> str:
             f"make {type(part).__name__} {one.value / one.limit:.2g} times as stiff, take finer cells, or contact "
             'without springs (mortar-p1, enforcement = "active-set")'
         )
+    own, other = (_mean_length(at, side) for at, side in zip(pair.at, (pair.slave, pair.master), strict=True))
+    if other > COARSER * own:
+        return (
+            f"segments of the master are {other / own:.2g} times as long as those of the slave, which its vertices "
+            "press: shorten them (cells of its body, or `segment` of a rigid surface)"
+        )
     if pair.method.passes_patch_test:
         return f"{FINER}; forces are right, and nodal_pressure alternates less"
     return f'write {one.where}.algorithm = "mortar-p1", or refine the master (level)'
+
+
+def _mean_length(at: Floats, surface: Surface) -> float:
+    return float(np.hypot(*(at[surface.segments[:, 1]] - at[surface.segments[:, 0]]).T).mean())
 
 
 def _share(value: float) -> str:

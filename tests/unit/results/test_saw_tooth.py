@@ -85,12 +85,18 @@ def test_teeth_of_a_small_shear_are_judged_by_the_pressure() -> None:
     assert saw_tooth(curve(np.ones(NODES)), shear, least=0.05) == pytest.approx(0.02, rel=0.1)
 
 
-@pytest.mark.parametrize("every", [2, 3])
+@pytest.mark.parametrize("every", [2, 3, 4, 7])
 def test_nodes_that_alone_are_pressed_are_teeth(every: int) -> None:
     """Finer slaves that touch a curved master only at its nodes: every second or third carries all."""
     alone = np.zeros(NODES)
     alone[::every] = 1.0
     assert saw_tooth(curve(alone), alone) == pytest.approx(0.5)
+
+
+def test_nodes_that_touch_at_uneven_distances_are_no_teeth() -> None:
+    alone = np.zeros(NODES)
+    alone[[3, 9, 24]] = 1.0
+    assert saw_tooth(curve(alone), alone) == 0.0
 
 
 def test_two_places_that_touch_are_no_teeth() -> None:
