@@ -35,7 +35,9 @@ def comparison(small_scene: MakeScene, tmp_path_factory: pytest.TempPathFactory)
     """The folder of a comparison on the disc on a block: three algorithms."""
     folder = tmp_path_factory.mktemp("comparison")
     for number, algorithm in enumerate(ALGORITHMS):
-        simulate(small_scene({"contacts.0.algorithm": algorithm}), folder / "runs" / str(number))
+        # shallow: nodes on segments of so coarse a mesh make energy with frozen forces
+        changes = {"contacts.0.algorithm": algorithm, "supports.1.uy.to": -0.05}
+        simulate(small_scene(changes), folder / "runs" / str(number))
     scene = small_scene({"record.recorders": ["vtkhdf", "rerun"]})
     names = [str(number) for number in range(len(ALGORITHMS))]
     record_comparison(scene, default_registry(), folder, names, for_good=True)
