@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 SHARP = 0.5  # sine by which the master turns outward at a corner
 CLOSE = 3.0  # segments: corners farther from all nodes of the slave touch it in no step of a near list
+FAR = 0.25  # of the extent of the slave: a trial that moves nodes so far in a step is none that corners could hold
 SLACK = 0.002  # of the shortest segment of the slave: how deep a point lies before it bears
 
 
@@ -67,6 +68,7 @@ class Corners:
     nodes     nodes (c,) of the master that are corners
     slack     [mm] how deep a point lies before it bears
     close     those that the slave is close to
+    start     (m, 2) [mm] the slave's nodes at the start of the step, where steps iterate
     """
 
     def __init__(self, pair: OperatorPair, nodes: Ints) -> None:
@@ -76,6 +78,7 @@ class Corners:
         self.close = nodes[:0]
         self.moved: list[Moved] = []
         self.points: list[Touch] = []
+        self.start: Floats | None = None
 
     @property
     def touching(self) -> bool:
@@ -88,7 +91,7 @@ class Corners:
             self._list_segments()
         if self.touching:
             self.moved, self.points = [], []
-        if not len(self.close):
+        if not len(self.close) or self._is_far():
             return
         for touch in self.touches(self.pair.at):
             moved = self._moved(touch)
@@ -97,6 +100,12 @@ class Corners:
             else:
                 self.moved.append(moved)
         self.take(self.pair.gaps)
+
+    def _is_far(self) -> bool:
+        if self.start is None:
+            return False
+        moved, extent = self.pair.at.slave - self.start, np.ptp(self.start, axis=0)
+        return bool(np.hypot(*moved.T).max() > FAR * np.hypot(*extent))
 
     def touches(self, at: SurfacePositions) -> list[Touch]:
         """What corners touch with both sides at the positions `at`."""

@@ -142,13 +142,13 @@ class ImplicitContactSystem:
         for linear in self.linear:
             self._memory(linear.pair)[:] = linear.memory
             linear.pair.evaluated = True
+            linear.accept()
         for potential in self.potentials:
             potential.accept(self.multipliers)
         for pair, sliding in self.varying:
             sliding.accept(pair, self.conditions.slip[pair.own], self.conditions.force[0, pair.own])
         for coupling, freedom in self._couplings():
             freedom[:] = self._freed(coupling, freedom)
-            linear.accept()
         self._write_rows()
 
     def _write_rows(self) -> None:

@@ -22,6 +22,7 @@ class TakenLinearisation(Linearisation):
 
     def evaluate(self, position: Floats, start: Floats) -> None:
         """Those of the pair, whose gaps are taken at the corners already; and slips."""
+        self.corners.start = start[self.pair.slave.nodes]
         self.linear.evaluate(position, start)
         if len(self.slip):
             self.corners.take(self.slip[:, None])
