@@ -16,7 +16,8 @@ from scipy.sparse import coo_array, csr_array
 from contactlab.api import ConditionDerivatives, ContactDerivatives, Floats, GapConditions, Ints
 from contactlab.contact.condition_differences import ConditionDifferences
 from contactlab.contact.gap_pair import GapPair
-from contactlab.contact.linearisation import Linearisation, parts_of, turned
+from contactlab.contact.linearisation import Linearisation, parts_of
+from contactlab.contact.pair import turned
 from contactlab.errors import WrongAnswer
 
 

@@ -17,7 +17,7 @@ from contactlab.contact.coupling import Coupling
 from contactlab.contact.examination import examine_pair
 from contactlab.contact.explicit_system import allocate_rows
 from contactlab.contact.operator_pair import OperatorPair
-from contactlab.contact.pair import ContactPair, shown
+from contactlab.contact.pair import ContactPair, shown, turned
 from contactlab.contact.passage import first_passage
 from contactlab.contact.sliding import varying
 
@@ -325,7 +325,7 @@ def held_together(pair: ContactPair, flexibility: Floats, start: Floats) -> Flag
     slots = (partly + len(slave) * np.arange(pair.rows_per_node)[:, None]).ravel()
     node = np.tile(partly, pair.rows_per_node)
     normal, length = pair.normals[slots], pair.full[slots]
-    tangent = np.stack([normal[:, 1], -normal[:, 0]], axis=1)
+    tangent = turned(normal)
     across = pair.at.slave[node][:, None] - pair.at.master[others]
     nearest = others[(across**2).sum(axis=2).argmin(axis=1)]
     apart = pair.at.slave[node] - pair.at.master[nearest]

@@ -20,7 +20,7 @@ from contactlab.api.derivatives import PieceDerivatives
 from contactlab.api.surface import SurfacePositions
 from contactlab.contact.differences import DerivativesOfPieces
 from contactlab.contact.operator_pair import OperatorPair
-from contactlab.contact.pair import ContactPair
+from contactlab.contact.pair import ContactPair, turned
 from contactlab.kernels.contact import banded_rows, derivatives, rows
 from contactlab.kernels.contact.tables import BandedRows
 
@@ -273,11 +273,6 @@ class ConsistentLinearisation(PairLinearisation):
 def parts_of(y: Floats, pair: ContactPair) -> tuple[Floats, Floats | None]:
     """Normal forces (k,) of a pair, zero where none are given, and tangential ones; None without friction."""
     return (y[0] if len(y) else np.zeros(pair.slots)), y[1] if len(y) > 1 and pair.friction is not None else None
-
-
-def turned(vectors: Floats) -> Floats:
-    """Vectors (k, 2) turned by -90 degrees: from normals to tangents."""
-    return np.stack([vectors[:, 1], -vectors[:, 0]], axis=1)
 
 
 def entries(chosen: Ints, rows: BandedRows, cut: float) -> tuple[Ints, Ints, Floats]:

@@ -58,12 +58,12 @@ class ContactSnapshot:
     def resultant(self) -> Floats:
         """Sum (2,) [N] of normal and tangential forces on the slave, along its normals."""
         normal, tangential = self.forces
-        return np.asarray(normal @ self.normals + tangential @ tangents(self.normals))
+        return np.asarray(normal @ self.normals + tangential @ turned(self.normals))
 
 
-def tangents(normals: Floats) -> Floats:
-    """Unit vectors (k, 2) along the slave, of normals (k, 2) towards it."""
-    return np.stack([normals[:, 1], -normals[:, 0]], axis=1)
+def turned(vectors: Floats) -> Floats:
+    """Vectors (k, 2) turned by -90 degrees: from normals to tangents."""
+    return np.stack([vectors[:, 1], -vectors[:, 0]], axis=1)
 
 
 class ContactPair(ABC):

@@ -7,7 +7,7 @@ import numpy as np
 from contactlab.api import Floats, Ints, State
 from contactlab.api.contact_steps import NO_SEGMENT
 from contactlab.contact.operator_pair import OperatorPair
-from contactlab.contact.pair import ContactSnapshot
+from contactlab.contact.pair import ContactSnapshot, turned
 from contactlab.kernels.contact.factored_rows import FAR
 
 
@@ -25,7 +25,7 @@ class PointsPair(OperatorPair):
         slave, multiplier, share = self._shares()
         m, k = len(self.slave.nodes), self.slots
         cover = np.bincount(slave, share * self.cover[multiplier], m)
-        along = np.stack([points.normals[:, 1], -points.normals[:, 0]], axis=1)
+        along = turned(points.normals)
         force = [
             np.stack([np.bincount(slave, share * (y * vectors[:, c])[multiplier], m) for c in range(2)], axis=1)
             for y, vectors in zip(points.forces, (points.normals, along), strict=True)
@@ -35,7 +35,7 @@ class PointsPair(OperatorPair):
         pressed = np.asarray(size > 0.0)[:, None]
         normal = np.where(pressed, force[0], mean)
         normal = normal / np.maximum(np.hypot(*normal.T), 1e-300)[:, None]
-        tangent = np.stack([normal[:, 1], -normal[:, 0]], axis=1)
+        tangent = turned(normal)
         forces, normals, gaps, lengths = np.zeros((2, k)), np.zeros((k, 2)), np.full(k, FAR), np.zeros(k)
         forces[0, :m], forces[1, :m] = size, (force[1] * tangent).sum(axis=1)
         normals[:m], lengths[:m] = normal, cover

@@ -11,6 +11,7 @@ from contactlab.api import Floats, FrictionLaw, Ints, NodalForces, Potential, Po
 from contactlab.api.compiled.chains import nodal_normals, segment_normals
 from contactlab.contact.closest import ClosestPoints
 from contactlab.contact.gap_pair import GapPair
+from contactlab.contact.pair import turned
 from contactlab.contact.start_gaps import StartGaps
 from contactlab.errors import WrongAnswer
 from contactlab.kernels.contact.factored_rows import FAR
@@ -212,7 +213,7 @@ class PotentialPair(GapPair):
         # nodes are pushed along their forces, so that these sum up to what acts
         size = np.where(pressed, np.hypot(*push.T), 1.0)
         inward = np.where(pressed[:, None], push / size[:, None], -normal)
-        along = np.stack([inward[:, 1], -inward[:, 0]], axis=1)
+        along = turned(inward)
         self.normals[:] = inward
         own = slice(self.first_slot, self.first_slot + m)
         held = (self.gaps[:m, 0] < FAR) & pressed

@@ -8,7 +8,7 @@ import numpy as np
 
 from contactlab.api import Floats, State
 from contactlab.api.arrays import Flags
-from contactlab.contact.pair import ContactPair, ContactSnapshot, tangents
+from contactlab.contact.pair import ContactPair, ContactSnapshot, turned
 from contactlab.kernels.contact.factored_rows import FAR
 from contactlab.kernels.contact.penetration import depths, with_midpoints
 from contactlab.results.arc_length import arc_length
@@ -161,7 +161,7 @@ def _integral(
         direction = (force / np.where(bears, size, 1.0)[:, None])[owner]
         inward[vertex] = lengths[vertex][:, None] * direction[pair.slave.segments[vertex]]
     total = np.einsum("sk,skd->d", pressure[pair.slave.segments], inward)
-    return np.asarray(0.5 * (total + tangents(np.einsum("sk,skd->d", shear[pair.slave.segments], inward)[None])[0]))
+    return np.asarray(0.5 * (total + turned(np.einsum("sk,skd->d", shear[pair.slave.segments], inward)[None])[0]))
 
 
 def _is_vertex(pair: ContactPair, edge: Floats) -> Flags:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from contactlab.api import Floats, RunWarning, Surface
+from contactlab.api import RunWarning
+from contactlab.contact.near_list import segment_lengths
 from contactlab.model.model import Model
 from contactlab.results.invariants import Invariant
 
@@ -81,19 +80,17 @@ def _cure(one: Invariant, model: Model) -> str:
             f"make {type(part).__name__} {one.value / one.limit:.2g} times as stiff, take finer cells, or contact "
             'without springs (mortar-p1, enforcement = "active-set")'
         )
-    own, other = (_mean_length(at, side) for at, side in zip(pair.at, (pair.slave, pair.master), strict=True))
+    own, other = (
+        float(segment_lengths(at, side).mean()) for at, side in zip(pair.at, (pair.slave, pair.master), strict=True)
+    )
     if other > COARSER * own:
         return (
-            f"segments of the master are {other / own:.2g} times as long as those of the slave, which its vertices "
-            "press: shorten them (cells of its body, or `segment` of a rigid surface)"
+            f"segments of the master are {other / own:.2g} times as long as those of the slave, and press with their "
+            "ends: shorten them (cells of its body, or `segment` of a rigid surface)"
         )
     if pair.method.passes_patch_test:
         return f"{FINER}; forces are right, and nodal_pressure alternates less"
     return f'write {one.where}.algorithm = "mortar-p1", or refine the master (level)'
-
-
-def _mean_length(at: Floats, surface: Surface) -> float:
-    return float(np.hypot(*(at[surface.segments[:, 1]] - at[surface.segments[:, 0]]).T).mean())
 
 
 def _share(value: float) -> str:

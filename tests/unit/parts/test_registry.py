@@ -243,6 +243,7 @@ class TestFiles:
             ("absent.py", None, "no such file"),
             ("part.txt", "", "not a Python file"),
             ("json.py", SOURCE, r"another module has this name\n.*taken by .*json/__init__\.py"),
+            ("numpy.py", SOURCE, "another module has this name"),
             ("sys.py", SOURCE, "taken by the interpreter"),
             ("my_part.py", "x = 1\ny = 1/0\n", r"ZeroDivisionError.*line 2"),
             ("my_part.py", "x = 1\n", "no hook"),

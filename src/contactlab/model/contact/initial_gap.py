@@ -112,16 +112,16 @@ def refuse_overlap(plan: Any, pair: Any, bodies: tuple[Body, ...], positions: Fl
     slack = ROUND * pair.size
     if treated or initial_gaps(pair, positions).min() >= -slack:
         return
-    fit = not pair.by_energy and _curves_fit(pair, positions)
     sides = (pair.at.slave, plan.slave, plan.sides[1]), (pair.at.master, plan.master, plan.sides[0])
     for (points, own, inside), (other, chain, _) in (sides, sides[::-1]):
         points = with_midpoints(points, own.segments)
         depth = depths(points, other, chain.segments, pair.size)
         worst = int(np.argmax(depth))
-        if depth[worst] > slack and not fit:
-            raise overlap_error(float(depth[worst]), points[worst], inside, False, plan.where)
-        if depth[worst] > slack and pair.start_gaps is None:
+        if depth[worst] > slack:
+            if pair.by_energy or not _curves_fit(pair, positions):
+                raise overlap_error(float(depth[worst]), points[worst], inside, False, plan.where)
             pair.start_gaps = FittedFacets(start_distances(pair, positions))
+            return
 
 
 def _curves_fit(pair: ContactPair, positions: Floats) -> bool:
