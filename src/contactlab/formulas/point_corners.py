@@ -14,7 +14,7 @@ from contactlab.formulas.point_pieces import EDGE, LEAVE
 from contactlab.formulas.segment_normals import node
 
 CORNER = 0.5  # sine by which a master turns outward at a corner
-ARC = 0.25  # the same of an arc, over a slave segment: forces on a node that rides up on one lean by half of it
+ARC = 0.42  # the same of an arc, over a slave segment; from 0.25 on rims of dented masters would count
 WITHIN = 0.99  # slave segments: in meshes that match, each segment of the slave sees one vertex
 RISE = -0.05
 CLOSE = 0.05  # of a segment: a slave node so near to a corner holds nothing beside it
