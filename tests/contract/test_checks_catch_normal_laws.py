@@ -236,6 +236,70 @@ def test_a_number_with_a_default_that_does_nothing_is_caught_in_the_law_by_defau
     assert not caught(Deaf(factor=2.0))
 
 
+@dataclass(frozen=True)
+class Crushed(Square):
+    """Elastic under what is crushed of it, 0.9 of the deepest overlap, with one flaw or none."""
+
+    needs = ("time",)
+    memory = ("crushed",)
+    length_scale = ""
+
+    def begins(self) -> float:
+        return 0.0
+
+    def pressure(self, gap, stiffness, size, pressure, slope, time, crushed):  # type: ignore[no-untyped-def, override]
+        left = np.maximum(-gap - (0.0 if self.flaw == "deaf" else crushed), 0.0) * (
+            1.0 if self.flaw == "timeless" else time
+        )
+        pressure[:] = 1e4 * left
+        slope[:] = np.where(left > 0.0, -1e4 * (1.0 if self.flaw in ("timeless", "slope without time") else time), 0.0)
+        if self.flaw == "slope of a new layer":
+            slope[crushed > 0.0] *= 0.5
+        if self.flaw == "pulls when crushed":
+            pressure -= np.where(crushed > 0.0, 1.0, 0.0)
+
+    def evolve(self, gap, time, crushed, **beside):  # type: ignore[no-untyped-def, override]
+        if self.flaw == "forgets":
+            return {"crushed": crushed}
+        if self.flaw == "writes memory":
+            crushed[:] = np.maximum(crushed, -0.9 * gap)
+            return {}
+        found = np.maximum(crushed, -0.9 * gap)
+        if self.flaw == "own memory":
+            LAST.append(float(found.max()))
+            return {"crushed": np.maximum(found, max(LAST))}
+        return {"crushed" if self.flaw != "another name" else "worn": found}
+
+    energy = NormalLaw.energy
+
+
+LAST: list[float] = []
+
+
+@pytest.mark.parametrize(
+    ("flaw", "found"),
+    [
+        ("", set()),
+        ("deaf", {"needs_and_memory_count"}),
+        ("timeless", {"needs_and_memory_count"}),
+        ("forgets", {"needs_and_memory_count"}),
+        ("writes memory", {"memory_is_only_in_the_state"}),
+        ("own memory", {"memory_is_only_in_the_state"}),
+        ("slope without time", {"slope_is_the_derivative", "pressure_is_right_under_what_it_remembers"}),
+        ("slope of a new layer", {"pressure_is_right_under_what_it_remembers"}),
+        ("pulls when crushed", {"pressure_is_right_under_what_it_remembers"}),
+        ("another name", {"needs_and_memory_count"}),
+    ],
+)
+def test_flaws_of_laws_with_memory_are_caught(flaw: str, found: set[str]) -> None:
+    caught_ones = caught(Crushed(flaw=flaw))
+    assert found <= caught_ones
+    assert found or not caught_ones & MEMORY
+
+
+MEMORY = {check for check in vars(normal_law) if "memor" in check or "remember" in check}
+
+
 def test_arguments_are_those_of_the_needs() -> None:
     """An array method takes what the law declares, and no less."""
     assert not faults("enforcement", Lean)
@@ -244,8 +308,12 @@ def test_arguments_are_those_of_the_needs() -> None:
 
 
 def test_needs_that_are_not_there_are_named() -> None:
-    with pytest.raises(TypeError, match=r"needs: got temperature, allowed: traction"):
-        type("Warm", (NormalLaw,), {"needs": ("temperature",)})
+    with pytest.raises(TypeError, match=r"got pressure in needs or memory.*the law itself gives the pressure"):
+        type("Fed", (NormalLaw,), {"needs": ("pressure",)})
+    with pytest.raises(TypeError, match=r"got cell_size in needs or memory.*`size` is always given"):
+        type("Sized", (NormalLaw,), {"needs": ("cell_size",)})
+    with pytest.raises(TypeError, match=r'allowed: "traction" alone'):
+        type("Both", (NormalLaw,), {"needs": ("traction",), "memory": ("crushed",)})
     with pytest.raises(TypeError, match=r"got the argument traction, allowed: gap"):
         type("Deaf", (NormalLaw,), {"pressure": formula(_of_traction)})
 

@@ -111,6 +111,44 @@ def test_friction_falls_with_the_temperature_of_its_place() -> None:
     assert abs(along) / abs(across) == pytest.approx(0.4 * 0.75, rel=1e-5)
 
 
+@INTEGRATORS
+def test_a_pressure_follows_temperature_place_and_time(integrator: str) -> None:
+    """Rate T x t u over the nodes' lengths, under a block a million times as stiff; explicit ends ring by 1e-3, v H/c.
+
+    Lengths times places are 2 for x from 0 to 2, whatever the shares of nodes.
+    """
+    push, end, rate = 0.01, 1e-3, 0.01
+    scene = Scene.from_data(
+        {
+            "time": {"end": end},
+            "integrator": integrator,
+            "materials": {"m": {"use": "linear-elastic", "young": 1000.0, "poisson": 0.0, "density": 1e-9}},
+            "bodies": {
+                "b": {
+                    "element": "q1", "material": "m",
+                    "mesh": {"use": "rectangle", "x": [0.0, 2.0], "y": [0.0, 1.0], "cells": [2, 1]},
+                }
+            },
+            "rigid": {"floor": {"line": [[5.0, 0.0], [-5.0, 0.0]]}},
+            "contacts": [
+                {
+                    "slave": "b.bottom", "master": "floor", "algorithm": "mortar-p1",
+                    "enforcement": {"use": "curing-layer", "rate": rate},
+                }
+            ],
+            "supports": [{"on": "b.top", "ux": 0.0, "uy": {"ramp": "linear", "to": -push}}],
+            "fields": {"temperature": {"value": {"ramp": "linear", "to": 100.0}}},
+        },
+        registry=REGISTRY,
+    )  # fmt: skip
+    results = contactlab.simulate(scene)
+    assert results.status == "finished", results.reason
+    found = abs(results.history["contacts.0.fy"][-1])
+    assert found == pytest.approx(rate * 100.0 * 2.0 * end * push, rel=1e-5 if integrator == "newton" else 3e-3)
+    with pytest.raises(SceneError, match=r"contacts\.0\.enforcement(.|\n)*got +\"temperature\""):
+        build(scene.with_({"fields": {}}), REGISTRY)
+
+
 def test_a_field_that_is_missing_is_named_and_one_that_is_there_is_explained() -> None:
     with pytest.raises(SceneError, match="temperature"):
         build(bar("newton", fields={}), REGISTRY)

@@ -115,11 +115,11 @@ def array_method(like: Callable[..., Any], module: str, name: str) -> Callable[.
 
     function: Any = None
 
-    def method(self: Any, *arguments: Any) -> Any:
+    def method(self: Any, *arguments: Any, **named: Any) -> Any:
         nonlocal function
         if function is None:
             function = getattr(late(module), name)
-        return function(self, *arguments)
+        return function(self, *arguments, **named)
 
     return wraps(like, assigned=("__name__", "__doc__", "__annotations__"), updated=())(method)
 

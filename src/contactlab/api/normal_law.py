@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Mapping
 from itertools import pairwise
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -12,8 +13,18 @@ from contactlab.api.arrays import Floats
 from contactlab.api.enforcement import Enforcement
 from contactlab.api.formulas import formulas_of, install
 
+NormalNeed = Literal["traction", "slip_rate", "dt", "time", "position"]
+"""Names that a pressure law may need beside fields of the scene, see `NormalLaw`."""
+
 _BEHIND = ("stiffness", "size", "p")
-_NEEDS = ("traction",)
+_REFUSED = {
+    "pressure": "the law itself gives the pressure, and `evolve` is called with it",
+    "cell_size": "`size` is always given",
+    "gap": "it is always given",
+    "stiffness": "it is always given",
+    "size": "it is always given",
+    "p": "formulas are always given it",
+}
 _PANELS = 32  # of the integral of a pressure: 4 Gauss points in each follow an exponential to round-off
 
 
@@ -29,35 +40,70 @@ class NormalLaw(Enforcement):
     dilatational modulus over the depth of a cell, both sides in series), `size` [mm] of the slave's segments there, and
     `p`, the numbers among the fields; it returns the pressure [MPa]. A law without a formula gives the array method.
 
-    needs  what else pressures follow from, by name; nobody else pays for it. "traction": the formula may take
-           `traction` [MPa], the normal stress of the cells behind the slave at its nodes, positive in tension, and
-           `stiffness` is that of these cells alone; the array method has two more arguments, `traction` (k,) and
-           `by_traction` (k,), the derivative by it, -1 to 0, to be filled. Such a law may give `adjoint`. It is for
-           statics, and its slave belongs to a body whose element is its tables (q1, q2)
+    needs   what else pressures follow from, by name; nobody else pays for it. Formulas name them as arguments, array
+            methods get them as keywords:
+
+            slip_rate  (k,) [mm/s] of the last step, in `evolve` of this one, with sign; the contact needs friction
+            dt         [s] length of this step
+            time       [s] of the gaps: at the start of explicit steps, at the end of others
+            position   (k, 2) [mm] of the slave nodes in the undeformed body, in formulas a `Vector`
+            any other name: (k,) a field of the scene (`[fields]`) at this time, such as "temperature"
+
+            "traction", alone: the formula may take `traction` [MPa], the normal stress of the cells behind the slave at
+            its nodes, positive in tension, and `stiffness` is that of these cells alone; the array method has two more
+            arguments, `traction` (k,) and `by_traction` (k,), the derivative by it, -1 to 0, to be filled. Such a law
+            may give `adjoint`. It is for statics, and its slave belongs to a body whose element is its tables (q1, q2)
+    memory  names of numbers that it remembers for each condition: further arguments, changed by `evolve`. They are part
+            of the state, and belong to points of the slave; a rejected step changes none of them
     """
 
     exact: ClassVar[bool] = False
-    needs: ClassVar[tuple[str, ...]] = ()
+    needs: ClassVar[tuple[NormalNeed | str, ...]] = ()
+    memory: ClassVar[tuple[str, ...]] = ()
 
     def __init_subclass__(cls, **named: Any) -> None:
         super().__init_subclass__(**named)
-        unknown = [name for name in cls.needs if name not in _NEEDS]
-        if unknown:
-            raise TypeError(f"{cls.__name__}.needs: got {', '.join(unknown)}, allowed: {', '.join(_NEEDS)}")
-        allowed = {
-            name: (first, *_BEHIND, *cls.needs) for name, first in (("pressure", "gap"), ("adjoint", "pressure"))
-        }
+        for name in cls.named():
+            if name in _REFUSED:
+                raise TypeError(
+                    f"{cls.__name__}: got {name} in needs or memory, allowed: other names; {_REFUSED[name]}"
+                )
+        if "traction" in cls.needs and len(cls.named()) > 1:
+            raise TypeError(f'{cls.__name__}: got {cls.named()}, allowed: "traction" alone, or all others without it')
+        given = (*_BEHIND, *cls.named())
+        allowed = {"pressure": ("gap", *given), "adjoint": ("pressure", *given), "evolve": ("gap", "pressure", *given)}
         install(cls, NormalLaw, allowed, "contactlab.formulas.normal_laws")
         if "traction" not in cls.needs and cls.adjoint is not NormalLaw.adjoint:
             raise TypeError(f'{cls.__name__}.adjoint works on tractions, allowed: with needs = ("traction",)')
 
+    @classmethod
+    def named(cls) -> tuple[str, ...]:
+        """Names of all that it needs and remembers."""
+        return (*cls.needs, *cls.memory)
+
     @abstractmethod
-    def pressure(self, gap: Floats, stiffness: Floats, size: Floats, pressure: Floats, slope: Floats) -> None:
+    def pressure(
+        self, gap: Floats, stiffness: Floats, size: Floats, pressure: Floats, slope: Floats, *more: Any, **named: Any
+    ) -> None:
         """Fill `pressure` (k,) [MPa], at least 0, and `slope` (k,) [MPa/mm], its derivative by the gap, at most 0.
 
         gap (k,) [mm], stiffness (k,) [MPa/mm] of the cells behind, size (k,) [mm] of the slave's segments. Each entry
-        depends on its own gap alone, and a larger gap has no larger pressure.
+        depends on its own gap alone, and a larger gap has no larger pressure. `named` is what the law needs and
+        remembers, by name; `more` are the two arrays of a traction.
         """
+
+    def start(self) -> Mapping[str, float]:
+        """Memory at the start of a run, by name; 0 for names that are missing."""
+        return {}
+
+    def evolve(self, *nothing: Any, **named: Any) -> Mapping[str, Any]:
+        """Memory after an accepted step, by name: numbers or arrays (k,). Needed by a law with memory.
+
+        It is called with all that the law needs and remembers, and with `gap`, `pressure`, `stiffness` and `size`, (k,)
+        each; gaps above `begins` are given as that. A formula takes what it names of these and `p`, and returns a
+        number, or as many as `memory` has names.
+        """
+        return {}
 
     def adjoint(
         self,
@@ -81,18 +127,24 @@ class NormalLaw(Enforcement):
         """Gap [mm] from which on there is no pressure; 0, the default, for a law of overlaps alone."""
         return 0.0
 
-    def energy(self, gap: Floats, stiffness: Floats, size: Floats) -> Floats:
-        """Energy per length (k,) [mJ/mm2 of surface] that a gap (k,) stores: the integral of the pressure."""
+    def energy(self, gap: Floats, stiffness: Floats, size: Floats, *nothing: Any, **named: Any) -> Floats:
+        """Energy per length (k,) [mJ/mm2 of surface] that a gap (k,) stores.
+
+        The default is the integral of the pressure over gaps under the memory as it is: what a law has dissipated is
+        not in it. A law that needs "dt" stores nothing by default.
+        """
         first = self.begins()
         depth = np.maximum(first - gap, 0.0)
         nodes, weights = np.polynomial.legendre.leggauss(4)
         # panels are shorter towards the gap, where curves are steep
         edges = 1.0 - np.linspace(1.0, 0.0, _PANELS + 1) ** 2
         total, pressure, slope = np.zeros_like(gap), np.zeros_like(gap), np.zeros_like(gap)
+        if "dt" in self.needs:
+            return total
         for low, high in pairwise(edges):
             for node, weight in zip(nodes, weights, strict=True):
                 share = low + 0.5 * (node + 1.0) * (high - low)
-                self.pressure(first - share * depth, stiffness, size, pressure, slope)
+                self.pressure(first - share * depth, stiffness, size, pressure, slope, **named)
                 total += 0.5 * weight * (high - low) * depth * pressure
         return total
 

@@ -23,7 +23,7 @@ from contactlab.contact.sliding import varying
 
 if TYPE_CHECKING:
     from contactlab.contact.potential_pair import PotentialPair
-    from contactlab.contact.pressure_response import PressureStore
+    from contactlab.contact.pressure_response import PressureResponse, PressureStore
     from contactlab.contact.step_rows import StepRows
 
 HELD = 0.1  # flexibility along the surface over that of the node: chains end with the normal of half a facet's turn
@@ -76,6 +76,7 @@ class ImplicitContactSystem:
         self.factored = None  # conditions that are never written as `FactoredRows`
         self.seconds = 0.0
         self.store: PressureStore | None = None  # of a normal law
+        self.remembers: PressureResponse | None = None  # a normal law that follows more than the gap
         self.varying = varying(pairs, state)
 
     @property
@@ -105,6 +106,8 @@ class ImplicitContactSystem:
             self.conditions.force[:, potential.own] = 0.0
         for pair, sliding in self.varying:
             sliding.begin_step(pair, time, time - self.state.time)
+        if self.remembers is not None and self.remembers.memory is not None:
+            self.remembers.memory.begin_step(time, time - self.state.time)
         self._release(time)
         middle = position
         if self.consistent:
@@ -145,6 +148,8 @@ class ImplicitContactSystem:
             linear.accept()
         for potential in self.potentials:
             potential.accept(self.multipliers)
+        if self.remembers is not None:
+            self.remembers.accept(self.conditions)
         for pair, sliding in self.varying:
             sliding.accept(pair, self.conditions.slip[pair.own], self.conditions.force[0, pair.own])
         for coupling, freedom in self._couplings():

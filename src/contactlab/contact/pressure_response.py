@@ -10,6 +10,7 @@ from contactlab.api import Conditions, Floats, ImplicitEnforcement, NormalLaw, R
 from contactlab.api.arrays import Flags
 from contactlab.api.frame import OPEN, SLIP, STICK
 from contactlab.contact.pair import ContactPair, initial_gaps
+from contactlab.contact.pressure_memory import PressureMemory, named
 
 DOUBLED = 30  # times that a depth is, until the law gives a force there
 
@@ -18,13 +19,27 @@ class PressureStore:
     """Energy of surfaces: length times the integral of the pressure over conditions, at the positions of the last ones.
 
     stiffness  (k,) [MPa/mm] of the cells behind each slot
+    memory     numbers beside the gap; None for a law of the gap alone
     beginning  [mJ] at the start of the run
     """
 
-    def __init__(self, law: NormalLaw, pairs: tuple[ContactPair, ...], stiffness: Floats, reference: Floats) -> None:
-        self.law, self.pairs, self.stiffness = law, pairs, stiffness
+    def __init__(
+        self,
+        law: NormalLaw,
+        pairs: tuple[ContactPair, ...],
+        stiffness: Floats,
+        reference: Floats,
+        memory: PressureMemory | None = None,
+    ) -> None:
+        self.law, self.pairs, self.stiffness, self.memory = law, pairs, stiffness, memory
         for pair in pairs:
             initial_gaps(pair, reference)
+        self.beginning = 0.0
+        if memory is None:  # else it is begun when the fields that a law needs are there
+            self.begin()
+
+    def begin(self) -> None:
+        """Take the energy as it is for that of the start."""
         self.beginning = self.energy()
 
     def energy(self) -> float:
@@ -33,7 +48,8 @@ class PressureStore:
         for pair in self.pairs:
             own = pair.own
             gaps = np.minimum(pair.gaps[:, 0], self.law.begins())
-            total += pair.share * float(pair.cover @ self.law.energy(gaps, self.stiffness[own], pair.full))
+            stored = self.law.energy(gaps, self.stiffness[own], pair.full, **named(self.memory, own))
+            total += pair.share * float(pair.cover @ stored)
         return total
 
     def since_start(self) -> float:
@@ -45,13 +61,14 @@ class PressureResponse(ImplicitEnforcement):
     """Residuals y_n - length * pressure(gap), and |y_t| <= bound.
 
     stiffness  (k,) [MPa/mm] of the cells behind each slot
+    memory     numbers beside the gap; None for a law of the gap alone
     found      (2, k) pressure and its derivative by the gap
     """
 
     exact: ClassVar[bool] = False
 
-    def __init__(self, law: NormalLaw, stiffness: Floats) -> None:
-        self.law, self.stiffness = law, stiffness
+    def __init__(self, law: NormalLaw, stiffness: Floats, memory: PressureMemory | None = None) -> None:
+        self.law, self.stiffness, self.memory = law, stiffness, memory
         self.found = np.zeros((2, len(stiffness)))
         self.first = law.begins()
 
@@ -86,7 +103,14 @@ class PressureResponse(ImplicitEnforcement):
 
     def answer(self, gap: Floats, size: Floats, out: Floats) -> None:
         """Fill `out` (2, k) as `found` is for gaps and sizes (k,) [mm]."""
-        self.law.pressure(np.minimum(gap, self.first), self.stiffness, size, out[0], out[1])
+        beside = named(self.memory, slice(None))
+        self.law.pressure(np.minimum(gap, self.first), self.stiffness, size, out[0], out[1], **beside)
+
+    def accept(self, c: Conditions) -> None:
+        """Remember a step that ends at the conditions as they are."""
+        if self.memory is not None:
+            gap = np.where(c.present, c.gap, self.first)
+            self.memory.accept(gap, self.stiffness, c.size, c.slip if len(c.slip) else None)
 
     def _hold(self, c: Conditions, stays: Flags) -> Flags:
         """Fill `found` of conditions that stay closed with tangents at their force; those for which there is one."""

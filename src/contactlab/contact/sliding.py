@@ -11,6 +11,7 @@ import numpy as np
 from contactlab.api import ContactView, Floats, FrictionLaw, Ints, State
 from contactlab.api.surface import SurfacePositions
 from contactlab.errors import WrongAnswer
+from contactlab.parts.remembered import checked, remember
 
 if TYPE_CHECKING:
     from contactlab.contact.pair import ContactPair
@@ -64,7 +65,7 @@ class VaryingSliding(Sliding):
     def __init__(self, law: FrictionLaw, multipliers: int, at: SurfacePositions) -> None:
         super().__init__(law, multipliers, at)
         self.kept = np.zeros((rows_of(law), multipliers))
-        self.memory = slice(len(self.kept) - len(law.memory), None)
+        self.remembered: dict[str, Floats] = {}
         self.size: Floats = np.zeros(multipliers)
         self.time = self.dt = 0.0
         self.seen: tuple[Floats, Floats] | None = None
@@ -79,8 +80,8 @@ class VaryingSliding(Sliding):
     def bind(self, state: State, pair: ContactPair) -> None:
         """Keep what it remembers in the state from here on."""
         self.kept = state[f"friction.{pair.name}"]
-        for name, value in self.law.start().items():
-            self._remember(name, "start", value)
+        self.remembered = dict(zip(self.law.memory, self.kept[len(self.kept) - len(self.law.memory) :], strict=True))
+        remember(self.law, "start", self.law.start(), self.remembered)
         segments, size = pair.slave.segments, np.zeros(len(pair.slave.nodes))
         length = np.linalg.norm(np.diff(pair.at.slave[segments], axis=1)[:, 0], axis=1)
         np.add.at(size, segments, 0.5 * length[:, None])
@@ -166,8 +167,7 @@ class VaryingSliding(Sliding):
         self.kept[4] = np.where(pressed, slip / self.dt, 0.0)
         self._take_positions(pair)
         if self.law.memory:
-            for name, values in self.law.evolve(**self._needed(self.kept[4])).items():
-                self._remember(name, "evolve", values)
+            remember(self.law, "evolve", self.law.evolve(**self._needed(self.kept[4])), self.remembered)
 
     def _take_positions(self, pair: ContactPair) -> None:
         if "position" in self.law.needs:
@@ -180,7 +180,7 @@ class VaryingSliding(Sliding):
             raise WrongAnswer(f"{type(self.law).__name__}: bound gave {type(found).__name__}, needed: FrictionBound")
         out = np.empty((3, self.kept.shape[1]))
         for row, (name, values) in enumerate(zip(KEPT, found, strict=False)):
-            out[row] = self._checked(f"bound gave {name}", values, least=0.0)
+            out[row] = checked(self.law, f"bound gave {name}", values, out.shape[1], least=0.0)
         return out
 
     def _limits(self, bounds: Floats, pair: ContactPair, force: Floats) -> Floats:
@@ -198,22 +198,7 @@ class VaryingSliding(Sliding):
         }  # fmt: skip
         given |= {name: value(self.time) for name, value in self.fields.items()}
         needed = {name: given[name] for name in self.law.needs}
-        return needed | dict(zip(self.law.memory, self.kept[self.memory].copy(), strict=True))
-
-    def _remember(self, name: str, method: str, values: Any) -> None:
-        if name not in self.law.memory:
-            raise WrongAnswer(
-                f"{type(self.law).__name__}: {method} gave {name}, needed: what its memory names, {self.law.memory}"
-            )
-        self.kept[self.memory][self.law.memory.index(name)] = self._checked(f"{method} gave {name}", values)
-
-    def _checked(self, what: str, values: Any, least: float = -math.inf) -> Floats:
-        found, k = np.asarray(values, np.float64), self.kept.shape[1]
-        if found.shape not in ((), (k,)):
-            raise WrongAnswer(f"{type(self.law).__name__}: {what} of shape {found.shape}, needed: a number or ({k},)")
-        if not (found >= least).all():  # not a number is not at least anything
-            raise WrongAnswer(f"{type(self.law).__name__}: {what} {float(found.min()):g}, needed: numbers >= {least:g}")
-        return found
+        return needed | {name: values.copy() for name, values in self.remembered.items()}
 
 
 def rows_of(law: FrictionLaw) -> int:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from contactlab.api.compiled.dual import derivatives, seed, value
 from contactlab.api.compiled.formulas import slots
 from contactlab.api.compiled.kernel import kernel
-from contactlab.api.compiled.records import column
+from contactlab.api.compiled.records import column, put_column
 
-FORMULA, PARAMETERS = slots("FORMULA", "PARAMETERS")
+FORMULA, PARAMETERS, NAMED = slots("FORMULA", "PARAMETERS", "NAMED")
 
 
 @kernel
@@ -18,6 +18,24 @@ def pressure(gap, stiffness, size, pressure, slope, values):
         found = FORMULA(seed(gap[i], 0, 4), stiffness[i], size[i], p)
         pressure[i] = value(found)
         slope[i] = derivatives(found, 4)[0]
+
+
+@kernel
+def pressure_of_named(gap, stiffness, size, pressure, slope, rows, values):
+    """As `pressure`, of a law that needs or remembers numbers: `rows` of a condition."""
+    p = column(values, 0, PARAMETERS)
+    for i in range(gap.size):
+        found = FORMULA(seed(gap[i], 0, 4), stiffness[i], size[i], p, column(rows, i, NAMED))
+        pressure[i] = value(found)
+        slope[i] = derivatives(found, 4)[0]
+
+
+@kernel
+def evolve(gap, pressure, stiffness, size, out, rows, values):
+    """Memory after a step."""
+    p = column(values, 0, PARAMETERS)
+    for i in range(gap.size):
+        put_column(out, i, FORMULA(gap[i], pressure[i], stiffness[i], size[i], p, column(rows, i, NAMED)))
 
 
 @kernel

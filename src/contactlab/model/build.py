@@ -50,7 +50,7 @@ def _built(scene: Scene, registry: Registry) -> Model:
     check_meshed_size(scene, registry, bodies)
     rigid = _rigid_surfaces(scene, bodies)
     plans, bodies = _contact_plans(scene, registry, bodies, rigid, integrator)
-    if scene.loads and any(isinstance(p.enforcement, NormalLaw) and p.enforcement.needs for p in plans):
+    if scene.loads and any(isinstance(p.enforcement, NormalLaw) and "traction" in p.enforcement.needs for p in plans):
         from contactlab.model.contact.traction_behind import refuse_loads
 
         refuse_loads(plans, scene, bodies)
@@ -59,7 +59,7 @@ def _built(scene: Scene, registry: Registry) -> Model:
     told: list[RunWarning] = []
     supports = plan_supports(scene, bodies, rigid, reference, told)
     check_supported(scene, bodies, supports, integrator)
-    history = history_of(scene, bodies, integrator)
+    history = history_of(scene, bodies, plans, integrator)
     timing = find_timing(
         scene, bodies, reference, mass, supports, integrator, history, lambda: _joints(plans, reference)
     )
@@ -206,7 +206,9 @@ def _needs(model: Model, scene: Scene) -> None:
     pairs = () if model.contact is None else model.contact.pairs
     needing = [f for f in model.forces if f.body.material.needs]
     sliding = [pair for pair in pairs if pair.sliding is not None and pair.sliding.varies]
-    if not needing and not sliding:
+    store: Any = getattr(model.contact, "store", None)
+    pressing = None if store is None else store.memory
+    if not needing and not sliding and pressing is None:
         return
     from contactlab.model.loading.scene_fields import SceneFields
 
@@ -214,7 +216,11 @@ def _needs(model: Model, scene: Scene) -> None:
     model.needs = tuple(fields.filling(forces, model.reference) for forces in needing)
     for number, pair in enumerate(pairs):
         if pair in sliding:
-            fields.give(pair, model.reference, f"contacts.{number}.friction")
+            points = np.tile(model.reference[pair.slave.nodes], (pair.rows_per_node, 1))
+            fields.give(pair.sliding, points, f"contacts.{number}.friction")
+    if pressing is not None:
+        fields.give(pressing, pressing.points, "contacts.0.enforcement")
+        store.begin()
 
 
 # --- state --------------------------------------------------------------------------------------

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from contactlab.api import NormalLaw
 from contactlab.model.loading.declared import courses_in
 
 if TYPE_CHECKING:
@@ -12,6 +13,7 @@ if TYPE_CHECKING:
 
     from contactlab.api import Integrator
     from contactlab.model.bodies.body import Body
+    from contactlab.model.contact.plan import ContactPlan
     from contactlab.scene.scene import Scene
 
 
@@ -19,7 +21,8 @@ if TYPE_CHECKING:
 class History:
     """Keys of a scene by which its end depends on the loading path.
 
-    laws      bodies whose law remembers (plastic flow, stresses in rate form) or depends on rate
+    laws      bodies whose law remembers (plastic flow, stresses in rate form) or depends on rate, pressure laws and
+              effects that do
     friction  contacts with friction
     motion    what asks for inertia in time: a duration in seconds beside an integrator with inertia
     asked     keys by which the path is wanted though the end may not depend on it: `time.history`, and, of runs with
@@ -44,11 +47,12 @@ class History:
         return ", ".join(self.because) or "none: the end does not depend on the loading path"
 
 
-def history_of(scene: Scene, bodies: Iterable[Body], integrator: Integrator) -> History:
+def history_of(scene: Scene, bodies: Iterable[Body], plans: Iterable[ContactPlan], integrator: Integrator) -> History:
     """What of a scene remembers its way."""
-    remembering = [b.name for b in bodies if b.material.history_size or b.material.rate_dependent]
+    laws = [f"bodies.{b.name}.material" for b in bodies if b.material.history_size or b.material.rate_dependent]
+    laws += [f"{p.name}.enforcement" for p in plans if isinstance(p.enforcement, NormalLaw) and p.enforcement.memory]
     return History(
-        laws=tuple(f"bodies.{name}.material" for name in remembering),
+        laws=tuple(laws),
         friction=tuple(f"contacts.{i}.friction" for i, contact in enumerate(scene.contacts) if contact.friction),
         motion=("time.end",) if integrator.inertia and scene.time.end != "auto" else (),
         asked=(("time.history",) if scene.time.history else ()) + _own_times(scene, integrator),

@@ -20,7 +20,7 @@ from contactlab.api.integrator import ExplicitIntegrator, ImplicitIntegrator, In
 from contactlab.api.material import Material
 from contactlab.api.measure import RunMeasure
 from contactlab.api.mesh import MeshSource
-from contactlab.api.normal_law import NormalLaw
+from contactlab.api.normal_law import NormalLaw, NormalNeed
 from contactlab.api.part import NEW_IN_2
 from contactlab.api.potential import Potential
 from contactlab.api.recorder import Recorder
@@ -116,12 +116,16 @@ def _other_arguments(target: type) -> list[str]:
             if inspect.unwrap(own) is method:  # the contract's own, or made of a formula
                 continue
             given = {p.name: p for p in inspect.signature(method).parameters.values()}
-            if name == "pressure" and issubclass(target, NormalLaw):
-                given |= {more: given["self"] for need in target.needs for more in (need, f"by_{need}")}
             named = {n: None for n, p in given.items() if p.kind is p.KEYWORD_ONLY}
             if any(p.kind is p.VAR_KEYWORD for p in given.values()):  # what the part declares, by name
+                fixed = {n: p for n, p in given.items() if p.kind is p.POSITIONAL_OR_KEYWORD}
                 named = dict.fromkeys((*target.needs, *target.memory))  # type: ignore[attr-defined]
-                given = {"self": given["self"]} | dict.fromkeys(named, given["self"])
+                if issubclass(target, NormalLaw) and "traction" in target.needs:
+                    fixed |= dict.fromkeys(("traction", "by_traction") if name == "pressure" else (), given["self"])
+                    named = {}
+                if issubclass(target, NormalLaw) and name == "evolve":
+                    named |= dict.fromkeys(("gap", "pressure", "stiffness", "size"))
+                given = fixed | dict.fromkeys(named, given["self"])
             try:
                 inspect.signature(own).bind(*(None for n in given if n not in named), **named)
             except TypeError:
@@ -131,11 +135,13 @@ def _other_arguments(target: type) -> list[str]:
 
 
 def _memory_without_use(target: type) -> list[str]:
-    """Memory of a friction law that nothing changes, or that has the name of something else."""
-    if not issubclass(target, FrictionLaw) or not target.memory:
+    """Memory of a law that nothing changes, or that has the name of something else."""
+    if not issubclass(target, FrictionLaw | NormalLaw) or not target.memory:
         return []
-    found = [] if target.evolve is not FrictionLaw.evolve else ["it has memory and no evolve, which would change it"]
-    taken = [name for name in target.memory if name in get_args(FrictionNeed) or target.memory.count(name) > 1]
+    base, needs = (FrictionLaw, FrictionNeed) if issubclass(target, FrictionLaw) else (NormalLaw, NormalNeed)
+    found = [] if target.evolve is not base.evolve else ["it has memory and no evolve, which would change it"]
+    names = {*get_args(needs), *target.needs}
+    taken = [name for name in target.memory if name in names or target.memory.count(name) > 1]
     return found + ([f"its memory is {target.memory}; allowed: names that differ, and none of needs"] if taken else [])
 
 

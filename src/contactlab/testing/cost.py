@@ -119,8 +119,11 @@ def _enforcement(subject: Subject) -> tuple[str, Call]:
         return "solution of 50 rows", lambda: enforcement.solve(rows, compliance, np.zeros((1, 50)), force)
     if isinstance(enforcement, NormalLaw):
         gap, ones, (pressure, slope, *more) = np.linspace(-0.1, 0.1, 1000), np.ones(1000), np.zeros((4, 1000))
-        arrays = (gap, ones, ones, pressure, slope, *(more if enforcement.needs else ()))
-        return "pressure of 1000 gaps", lambda: enforcement.pressure(*arrays)
+        from contactlab.testing.normal_law import named_of
+
+        arrays = (gap, ones, ones, pressure, slope, *(more if "traction" in enforcement.needs else ()))
+        named = named_of(enforcement, 1000)
+        return "pressure of 1000 gaps", lambda: enforcement.pressure(*arrays, **named)
     conditions, out = some_conditions(1000, friction=True)
     return "response of 1000 conditions", lambda: enforcement.respond(conditions, out)
 

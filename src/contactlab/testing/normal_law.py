@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -12,9 +12,9 @@ import numpy as np
 from contactlab.api import Enforcement, Floats, NormalLaw
 from contactlab.parts.description import units_of
 from contactlab.testing.assertions import Check, NotApplicable, agree, identical, require, untouched
-from contactlab.testing.other_values import changed, others
+from contactlab.testing.other_values import changed, others, without_effect
 from contactlab.testing.scales import scale_of
-from contactlab.testing.units import LONG, STRESS, in_other_units, same_in_other_units
+from contactlab.testing.units import LONG, STRESS, in_other_units, same_in_other_units, scale_of_unit
 
 COUNT = 201
 DEPTHS = 3.0  # lengths of the law that are looked at on both sides of where it begins
@@ -22,6 +22,7 @@ APART = 1e-5  # of that length: central differences err by its square, and by ro
 FAR = 100.0  # times these gaps is as deep as a limit of the pressure may lie
 KINKS = 0.05  # share of gaps beside which a law may have a kink: differences across it are wrong
 OVERLAP = 0.01  # mm, of a law without a length of its own
+UNITS: Mapping[str, str] = {"slip_rate": "mm/s", "dt": "s", "time": "s", "position": "mm"}
 
 
 def _law(enforcement: Enforcement) -> NormalLaw:
@@ -39,10 +40,113 @@ def _gaps(law: NormalLaw) -> Floats:
 
 
 def _pressures(law: Any, gap: Floats, stiffness: float = 1e4, size: float = 0.5) -> tuple[Floats, Floats]:
+    return _pressed(law, gap, stiffness, size, named_of(law, len(gap)))
+
+
+def _pressed(law: Any, gap: Floats, stiffness: float, size: float, named: Mapping[str, Any]) -> tuple[Floats, Floats]:
     pressure, slope = np.full_like(gap, np.nan), np.full_like(gap, np.nan)
-    needed = (np.zeros_like(gap), np.zeros_like(gap)) if law.needs else ()
-    law.pressure(gap.copy(), np.full_like(gap, stiffness), np.full_like(gap, size), pressure, slope, *needed)
+    needed = (np.zeros_like(gap), np.zeros_like(gap)) if "traction" in law.needs else ()
+    law.pressure(gap.copy(), np.full_like(gap, stiffness), np.full_like(gap, size), pressure, slope, *needed, **named)
     return pressure, slope
+
+
+def named_of(law: NormalLaw, count: int) -> dict[str, Any]:
+    """What a law needs and remembers at the start of a run, for `count` conditions alike; none for a law of gaps."""
+    if "traction" in law.needs:
+        return {}
+    known: dict[str, Any] = {
+        "slip_rate": np.full(count, -30.0), "dt": 1e-4, "time": 1e-3, "position": np.full((count, 2), 0.7),
+    }  # fmt: skip
+    needed = {name: known.get(name, np.full(count, 1.2)) for name in law.needs}
+    given = law.start()
+    unknown = sorted(set(given) - {*law.memory})
+    require(not unknown, f"start gives {', '.join(unknown)}, which memory {law.memory} does not name")
+    return needed | {name: np.full(count, float(given.get(name, 0.0))) for name in law.memory}
+
+
+def _later(law: Any, gap: Floats, stiffness: float, size: float, named: Mapping[str, Any]) -> dict[str, Any]:
+    """What it needs and remembers after a step that ends at these gaps."""
+    if not law.memory:
+        return dict(named)
+    gap = np.minimum(gap, law.begins())
+    pressure = _pressed(law, gap, stiffness, size, named)[0]
+    beside = {"stiffness": np.full_like(gap, stiffness), "size": np.full_like(gap, size)}
+    found = law.evolve(gap=gap, pressure=pressure, **beside, **named)
+    unknown = sorted(set(found) - {*law.memory})
+    require(not unknown, f"evolve gives {', '.join(unknown)}, which memory {law.memory} does not name")
+    after = {name: np.broadcast_to(np.asarray(value, np.float64), gap.shape).copy() for name, value in found.items()}
+    for name, value in after.items():
+        require(bool(np.isfinite(value).all()), f"evolve: {name} is not finite")
+    return {**named, **after}
+
+
+def _answers(law: Any, gap: Floats, stiffness: float = 1e4, size: float = 0.5) -> list[Floats]:
+    """Pressures, memory after two steps at these gaps, and pressures under it on the way back."""
+    named = named_of(law, len(gap))
+    after = _later(law, gap, stiffness, size, _later(law, gap, stiffness, size, named))
+    back = _pressed(law, np.concatenate([gap[1:], gap[:1]]), stiffness, size, after)
+    now = _pressed(law, gap, stiffness, size, named)
+    return [*now, *(after[name] for name in law.memory), *back]
+
+
+def _remembers(enforcement: Enforcement) -> NormalLaw:
+    law = _law(enforcement)
+    if not law.named() or "traction" in law.needs:
+        raise NotApplicable("the law follows the gap alone, or a traction: it declares no memory and no other needs")
+    return law
+
+
+def needs_and_memory_count(enforcement: Enforcement) -> None:
+    """What a law declares in needs and memory changes a pressure, now or after a step, and evolve changes memory."""
+    law = _remembers(enforcement)
+    gap, start = _deep(law), named_of(law, COUNT)
+    # as after a step to the gap in the middle: some gaps are deeper, others have come back
+    named = _later(law, np.full(COUNT, gap[COUNT // 2]), 1e4, 0.5, start)
+
+    def now_and_later(given: Mapping[str, Any]) -> list[Floats]:
+        after = _later(law, gap, 1e4, 0.5, given)
+        return [*_pressed(law, gap, 1e4, 0.5, given), *_pressed(law, gap, 1e4, 0.5, after)]
+
+    before = now_and_later(named)
+    for name in law.named():
+        changed = now_and_later({**named, name: 1.3 * named[name] + 0.1 * _length(law)})
+        same = all(map(np.array_equal, changed, before))
+        require(not same, f"it declares {name}, and no pressure follows it, now or after a step")
+        still = name in law.memory and np.array_equal(named[name], start[name])
+        require(not still, f"evolve never changes {name}, at a gap of {gap[COUNT // 2]:.3g} mm")
+
+
+def memory_is_only_in_the_state(enforcement: Enforcement) -> None:
+    """Answers follow what the law is given alone, whatever was asked before, and leave that as it is."""
+    law = _remembers(enforcement)
+    gap, named = _deep(law), named_of(law, COUNT)
+    first = _answers(law, gap)
+    for share in (2.0, 0.3):
+        _answers(law, share * gap)
+    again = "two calls give different answers: memory in other places survives steps that are rejected"
+    require(all(map(np.array_equal, _answers(law, gap), first)), again)
+    arrays = {name: value for name, value in named.items() if np.ndim(value)}
+    with untouched(**arrays):
+        _later(law, gap, 1e4, 0.5, named)
+
+
+def pressure_is_right_under_what_it_remembers(enforcement: Enforcement) -> None:
+    """After steps at deep gaps pressures neither pull nor fall as gaps close, and slopes are their derivatives."""
+    law = _remembers(enforcement)
+    gap, step = _deep(law), APART * _length(law)
+    named = _later(law, np.full(COUNT, gap.min()), 1e4, 0.5, named_of(law, COUNT))
+    pressure, slope = _pressed(law, gap, 1e4, 0.5, named)
+    require(pressure.min() >= 0.0, f"it pulls with {-pressure.min():.3g} MPa")
+    require(np.diff(pressure).max() <= 1e-12 * pressure.max(), "the pressure falls where the gap closes")
+    more, less = (_pressed(law, gap + side * step, 1e4, 0.5, named)[0] for side in (1.0, -1.0))
+    error = np.abs(slope - (more - less) / (2.0 * step)) / max(float(np.abs(slope).max()), 1e-300)
+    wrong = int(np.count_nonzero(error > 1e-6))
+    require(wrong <= int(KINKS * COUNT), f"the slope differs from differences at {wrong} of {COUNT} gaps")
+
+
+def _deep(law: NormalLaw) -> Floats:
+    """Gaps (k,) far below where the law begins, so that what it remembers has come to count."""
+    return law.begins() - FAR * _length(law) * np.linspace(1.0, 0.0, COUNT)
 
 
 def pressure_begins_where_it_says(enforcement: Enforcement) -> None:
@@ -96,6 +200,10 @@ def its_numbers_matter(enforcement: Enforcement) -> None:
     law = _law(enforcement)
     gap = _gaps(law)
     before = _pressures(law, gap)[0]
+    if law.memory:
+        for name in without_effect(law, lambda one: _answers(one, _deep(law))):
+            raise AssertionError(f"the field {name} changes no pressure and no memory, whatever it is")
+        return
     for name, other in others(law):
         require(np.any(_pressures(other, gap)[0] != before), f"the field {name} changes no pressure")
     if _tuned(law) or law != type(law)():
@@ -110,7 +218,7 @@ def its_numbers_matter(enforcement: Enforcement) -> None:
 def _under_stress(law: Any, gap: Floats) -> Floats:
     """Pressures (k,), and adjoints if the law has tractions of both signs."""
     stiffness, size = np.full_like(gap, 1e4), np.full_like(gap, 0.5)
-    if not law.needs:
+    if "traction" not in law.needs:
         return _pressures(law, gap)[0]
     traction, out = np.resize(_tractions(), len(gap)), np.zeros((6, len(gap)))
     law.pressure(gap.copy(), stiffness, size, out[0], out[1], traction, out[2])
@@ -122,12 +230,13 @@ def energy_is_the_integral(enforcement: Enforcement) -> None:
     """Minus the derivative of the energy is the pressure."""
     law = _law(enforcement)
     if law.needs:
-        raise NotApplicable("the pressure follows more than the gap: no energy is stored by it")
+        raise NotApplicable("the pressure follows more than the gap: energy is not its integral alone")
     length = _length(law)
     gap = law.begins() - length * np.linspace(0.1, DEPTHS, 20)
     stiffness, size = np.full_like(gap, 1e4), np.full_like(gap, 0.5)
     step = 1e-3 * length
-    moved = [law.energy(gap + side * step, stiffness, size) for side in (1.0, -1.0)]
+    named = named_of(law, len(gap))
+    moved = [law.energy(gap + side * step, stiffness, size, **named) for side in (1.0, -1.0)]
     mean = sum(_pressures(law, gap + share * step)[0] for share in (-1.0, 0.0, 0.0, 0.0, 0.0, 1.0)) / 6.0
     # Simpson's rule over two steps; a kink within a panel costs some thousandths
     agree((moved[1] - moved[0]) / (2.0 * step), mean, 1e-2 * float(np.abs(mean).max()), "slope of the energy")
@@ -138,9 +247,9 @@ def gaps_are_only_read(enforcement: Enforcement) -> None:
     law: Any = _law(enforcement)
     gap, stiffness, size = _gaps(law), np.full(COUNT, 1e4), np.full(COUNT, 0.5)
     traction = _tractions()
-    needed = (traction, np.zeros(COUNT)) if law.needs else ()
+    needed, named = (traction, np.zeros(COUNT)) if "traction" in law.needs else (), named_of(law, COUNT)
     with untouched(gap=gap, stiffness=stiffness, size=size, traction=traction):
-        law.pressure(gap, stiffness, size, np.zeros(COUNT), np.zeros(COUNT), *needed)
+        law.pressure(gap, stiffness, size, np.zeros(COUNT), np.zeros(COUNT), *needed, **named)
 
 
 def _tractions() -> Floats:
@@ -255,9 +364,15 @@ def units_do_not_matter_to_the_pressure(enforcement: Enforcement) -> None:
     """In m, ms and kPa in place of mm, s and MPa a law has the same pressures, by the units of its docstring."""
     law = _law(enforcement)
     other, gap = in_other_units(law), _gaps(law)
-    found, wanted = _pressures(other, LONG * gap, STRESS / LONG * 1e4, LONG * 0.5), _pressures(law, gap)
-    same_in_other_units(found[0], wanted[0], STRESS, "pressures")
-    same_in_other_units(found[1], wanted[1], STRESS / LONG, "slopes")
+    behind = (STRESS / LONG * 1e4, LONG * 0.5), (1e4, 0.5)
+    scaled, named = named_of(other, COUNT), named_of(law, COUNT)
+    scaled |= {name: named[name] * (scale_of_unit(UNITS.get(name, "1")) or 1.0) for name in law.needs if named}
+    for when, share in (("", 1.0), (" after a step", 0.97)):  # where a step ends a law may have a kink
+        there, here = (LONG * share * gap, *behind[0]), (share * gap, *behind[1])
+        found, wanted = _pressed(other, *there, scaled), _pressed(law, *here, named)
+        same_in_other_units(found[0], wanted[0], STRESS, f"pressures{when}")
+        same_in_other_units(found[1], wanted[1], STRESS / LONG, f"slopes{when}")
+        scaled, named = _later(other, *there, scaled), _later(law, *here, named)
 
 
 CHECKS: tuple[Check, ...] = (
@@ -268,6 +383,9 @@ CHECKS: tuple[Check, ...] = (
     its_numbers_matter,
     energy_is_the_integral,
     gaps_are_only_read,
+    needs_and_memory_count,
+    memory_is_only_in_the_state,
+    pressure_is_right_under_what_it_remembers,
     tractions_press_as_they_should,
     adjoint_is_right_in_every_variant,
     stiffness_behind_scales,

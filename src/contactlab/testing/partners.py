@@ -28,7 +28,11 @@ def usual_law(registry: Registry) -> str:
     """A shipped pressure law that needs no values and nothing but gaps."""
     for name in partners(registry, "enforcement"):
         cls = registry.part_class("enforcement", name)
-        if issubclass(cls, NormalLaw) and not cls.needs and not any(is_required(key) for key in keys_of(cls).values()):
+        if (
+            issubclass(cls, NormalLaw)
+            and not cls.named()
+            and not any(is_required(key) for key in keys_of(cls).values())
+        ):
             return name
     raise NotApplicable("no pressure law without values of its own is installed")
 

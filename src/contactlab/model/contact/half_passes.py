@@ -31,7 +31,7 @@ def refuse_half_passes(
 
     rigid  the name of a side that is rigid, or nothing
     """
-    if not isinstance(enforcement, NormalLaw) or enforcement.needs:
+    if not isinstance(enforcement, NormalLaw) or enforcement.named():
         use = split_spec("enforcement", spec.enforcement, where)[0] if spec.enforcement else "the integrator's own"
         raise PartError(
             "two half passes press by a law of the gap: multipliers of both sides, or springs of single nodes, would "

@@ -147,12 +147,17 @@ def _plan(
             got=enforcement_spec,
             allowed=f'"{integrator.default_enforcement}" (what is used when nothing is written)',
         )
-    if isinstance(enforcement, NormalLaw) and enforcement.needs:
+    if isinstance(enforcement, NormalLaw) and "traction" in enforcement.needs:
         from contactlab.model.contact.traction_behind import refuse_integrator
 
         refuse_integrator(integrator, enforcement_spec, where)
     algorithm = registry.make("contact", spec.algorithm, below(where, "algorithm"))
     friction = registry.make("friction", spec.friction, below(where, "friction")) if spec.friction else None
+    if isinstance(enforcement, NormalLaw) and "slip_rate" in enforcement.needs and friction is None:
+        raise PartError(
+            "this enforcement follows the slip, which is measured in contacts with friction",
+            where=below(where, "friction"), got="none", allowed="a friction law, with a coefficient of 0 if need be",
+        )  # fmt: skip
     explicit = issubclass(integrator.needs, ExplicitEnforcement)
     if algorithm.explicit_only and not explicit:
         raise PartError(
@@ -232,6 +237,11 @@ def contact_shapes(plans: tuple[ContactPlan, ...], nodes: int) -> Mapping[str, t
     shapes |= {"multipliers_before": shapes["multipliers"][1:], "contact_force": (nodes, 2)}
     if plans[0].explicit and isinstance(plans[0].enforcement, NormalLaw):
         shapes["contact_slope"] = (len(plans),)
+    law = plans[0].enforcement
+    if isinstance(law, NormalLaw) and "traction" not in law.needs and law.named():
+        from contactlab.contact.pressure_memory import kept_by
+
+        shapes["pressure_law"] = (len(kept_by(law)), shapes["multipliers"][1])
     for plan in plans:
         if plan.algorithm.memory_size:
             shapes[f"memory.{plan.name}"] = (plan.algorithm.memory_size, len(plan.slave.nodes))
@@ -322,7 +332,7 @@ def _pressure_system(
     from contactlab.contact.pressure_response import PressureStore
     from contactlab.model.contact.cells_behind import in_series, length_over_mass, stiffness_behind
 
-    if law.needs:
+    if "traction" in law.needs:
         return _traction_system(plans, pairs, law, bodies, forces, reference, position, state, time)
     stiffness = []
     for pair in pairs:
@@ -331,7 +341,12 @@ def _pressure_system(
         own = np.full(len(slave), 1.0 / (1.0 / slave).mean()) if pair.half else slave
         stiffness.append(np.tile(in_series(own, master), pair.rows_per_node))
     half = any(pair.half for pair in pairs)
-    store = PressureStore(law, pairs, np.concatenate(stiffness), reference)
+    memory = None
+    if law.named():
+        from contactlab.contact.pressure_memory import PressureMemory
+
+        memory = PressureMemory(law, pairs, state, reference)
+    store = PressureStore(law, pairs, np.concatenate(stiffness), reference, memory)
     if plans[0].explicit:
         densities = [sum(length_over_mass(side, reference, mass) for side in (p.slave, p.master)) for p in pairs]
         if half:
@@ -350,8 +365,9 @@ def _pressure_system(
         from contactlab.contact.implicit_system import ImplicitContactSystem
         from contactlab.contact.pressure_response import PressureResponse
 
-        response = PressureResponse(law, store.stiffness)
+        response = PressureResponse(law, store.stiffness, memory)
         system = ImplicitContactSystem(pairs, response, state, time, follows_gaps=False)
+        system.remembers = response if memory is not None else None
     system.store = store
     return system
 

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from time import perf_counter
 
 import numpy as np
 
-from contactlab.api import ExplicitEnforcement, Floats, Ints, NormalLaw, Rows, Solve, State
+from contactlab.api import ExplicitEnforcement, Floats, Ints, NormalLaw, Rows, Solve, State, Step, StepStatus
 from contactlab.contact.consistent_system import ConsistentContactSystem
+from contactlab.contact.explicit_system import slips
 from contactlab.contact.pair import ContactPair
+from contactlab.contact.pressure_memory import named
 from contactlab.contact.pressure_response import PressureStore
 from contactlab.kernels.contact.factored_rows import FAR
 from contactlab.kernels.contact.rub import push, rub, start_slips
@@ -51,6 +54,7 @@ class PressureContactSystem(ConsistentContactSystem):
     ) -> None:
         super().__init__(pairs, PressureForces(store.law), state)
         self.store, self.law, self.stiffness, self.densities = store, store.law, store.stiffness, densities
+        self.memory = store.memory
         self.shared = len(np.unique(nodes := np.concatenate([nodes_of(pair) for pair in pairs]))) < len(nodes)
         self.allowed = state["contact_slope"]
         self.pressure, self.slope = np.zeros_like(self.stiffness), np.zeros_like(self.stiffness)
@@ -61,7 +65,8 @@ class PressureContactSystem(ConsistentContactSystem):
         rows, asked = self.rows, perf_counter()
         count, slot, tangential = rows.count, rows.slot[: rows.count], len(rows.slip) > 0
         pressure, slope = self.pressure[:count], self.slope[:count]
-        self.law.pressure(rows.gap[:count], self.stiffness[slot], rows.size[:count], pressure, slope)
+        beside = named(self.memory, slot)
+        self.law.pressure(rows.gap[:count], self.stiffness[slot], rows.size[:count], pressure, slope, **beside)
         rubbed = self.multipliers[1, slot] if tangential else None
         self.multipliers[:] = force[:] = 0.0
         self.multipliers[0, slot] = rows.measure[:count] * pressure
@@ -108,15 +113,46 @@ class PressureContactSystem(ConsistentContactSystem):
         energy of slopes s is at most s times length over mass of each side, summed, times that of the masses.
         """
         moved = 2.0 * AHEAD * step * float(np.abs(self.velocity).max(initial=0.0))
+        if self.memory is not None and self.memory.dt == 0.0:
+            self.memory.begin_step(self.state.time, step)
         for number, pair in enumerate(self.passes):
             own = pair.own
-            gaps = np.minimum(np.where(pair.gaps[:, 0] < FAR, pair.gaps[:, 0], 0.0), self.law.begins()) - moved
-            pressure, slope = np.zeros_like(gaps), np.zeros_like(gaps)
+            gaps = np.minimum(np.where(pair.gaps[:, 0] < FAR, pair.gaps[:, 0], 0.0), self.law.begins())
             size = np.where(pair.full > 0.0, pair.full, pair.size)
-            self.law.pressure(np.minimum(gaps, -1e-9 * pair.size), self.stiffness[own], size, pressure, slope)
-            self.allowed[number] = SPARE * max(float(-slope.min(initial=0.0)), float(self.shear[number]))
+            steepest = float(self.shear[number])
+            # what remembers may be steeper on its way back, and what follows the rate of its gap is half a step behind
+            for way in (-moved,) if self.memory is None else (-moved, 0.0, moved):
+                pressure, slope = np.zeros_like(gaps), np.zeros_like(gaps)
+                where = np.minimum(gaps + way, -1e-9 * pair.size)
+                self.law.pressure(where, self.stiffness[own], size, pressure, slope, **named(self.memory, own))
+                steepest = max(steepest, float(-slope.min(initial=0.0)) * (2.0 if "dt" in self.law.needs else 1.0))
+            self.allowed[number] = SPARE * steepest
         squares = self.allowed * self.densities
         return replace(others, square=others.square + float(squares.sum() if self.shared else squares.max()))
+
+    def following(self, advance: Callable[[float], Step]) -> Callable[[float], Step]:
+        """The function that makes steps, each of which a law with memory is told of before and after."""
+        advance = super().following(advance)
+        if (memory := self.memory) is None:
+            return advance
+
+        def step(dt: float) -> Step:
+            memory.begin_step(self.state.time, dt)
+            done = advance(dt)
+            if done.status is StepStatus.accepted:
+                self._remember()
+            return done
+
+        return step
+
+    def _remember(self) -> None:
+        """The gaps of the start of the step that was made, and its slips, become memory."""
+        assert self.memory is not None
+        rows, slot, slots = self.rows, self.rows.slot[: self.rows.count], len(self.stiffness)
+        gap, size = np.full(slots, self.law.begins()), np.zeros(slots)
+        gap[slot], size[slot] = rows.gap[: rows.count], rows.size[: rows.count]
+        slip = slips(rows, slots, self.compliance, self.state["contact_force"])[0] if self.friction else None
+        self.memory.accept(gap, self.stiffness, size, slip)
 
     @property
     def stiffened(self) -> bool:

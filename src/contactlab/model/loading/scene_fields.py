@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
-from contactlab.api import Floats, FrictionLaw, Ints
+from contactlab.api import Floats, FrictionLaw, Ints, NormalLaw
 from contactlab.api.friction import FrictionNeed
 from contactlab.api.material import MaterialNeed
+from contactlab.api.normal_law import NormalNeed
 from contactlab.errors import SceneError
 from contactlab.kernels.size import jacobian_determinants
 from contactlab.model.loading.load_profile import of_nodes
 from contactlab.model.loading.ramps import RampTime, course_of
 
 if TYPE_CHECKING:
-    from contactlab.contact.pair import ContactPair
     from contactlab.model.bodies.body import Body, BodyForces
     from contactlab.scene.scene import Scene
 
@@ -25,9 +25,10 @@ InTime = Callable[[float], Floats | float]
 
 
 def fields_needed(law: Any) -> list[str]:
-    """Names in the `needs` of a friction law or material (class or instance) that are fields of the scene."""
+    """Names in the `needs` of a law or material (class or instance) that are fields of the scene."""
     kind = law if isinstance(law, type) else type(law)
-    known = get_args(FrictionNeed if issubclass(kind, FrictionLaw) else MaterialNeed)
+    kinds = {FrictionLaw: FrictionNeed, NormalLaw: NormalNeed}
+    known = get_args(next((needs for law, needs in kinds.items() if issubclass(kind, law)), MaterialNeed))
     return [name for name in law.needs if name not in known]
 
 
@@ -75,11 +76,9 @@ class SceneFields:
 
         return fill
 
-    def give(self, pair: ContactPair, reference: Floats, key: str) -> None:
-        """Let a friction law know the fields that it needs, at the nodes of the slave."""
-        sliding: Any = pair.sliding
-        points = np.tile(reference[pair.slave.nodes], (pair.method.rows_per_node, 1))
-        sliding.fields = {name: self.at(name, points, key) for name in fields_needed(sliding.law)}
+    def give(self, keeper: Any, points: Floats, key: str) -> None:
+        """Let what keeps the numbers of a law know the fields that the law needs, at points (k, 2) [mm]."""
+        keeper.fields = {name: self.at(name, points, key) for name in fields_needed(keeper.law)}
 
 
 def _places(body: Body, connectivity: Ints, reference: Floats) -> tuple[Floats, Floats]:

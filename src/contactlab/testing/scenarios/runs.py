@@ -39,7 +39,7 @@ def modes_of(subject: Subject) -> tuple[Mode, ...]:
     if subject.kind == "integrator":
         return ("explicit",) if issubclass(cls, ExplicitIntegrator) else ("statics",)
     if subject.kind == "enforcement" and issubclass(cls, NormalLaw):
-        return ("statics",) if cls.needs else ("explicit", "statics")
+        return ("statics",) if "traction" in cls.needs else ("explicit", "statics")
     if subject.kind == "enforcement":
         return ("explicit",) if issubclass(cls, ExplicitEnforcement) else ("statics",)
     if subject.kind == "contact" and issubclass(cls, Potential):

@@ -1,9 +1,9 @@
-"""Laws that follow a field of the scene, its temperature: thermal strain, and friction that falls."""
+"""Laws that follow a field of the scene, its temperature: thermal strain, friction that falls, a layer that hardens."""
 
 from dataclasses import dataclass
 from typing import ClassVar
 
-from contactlab.api import UNIT, FrictionBound, FrictionLaw, Material, formula
+from contactlab.api import UNIT, FrictionBound, FrictionLaw, Material, NormalLaw, formula
 from contactlab.api.plugin import Part, hookimpl
 
 
@@ -50,10 +50,27 @@ class Softening(FrictionLaw):
         return FrictionBound(self.mu * (1.0 - temperature / self.melt).clip(0.0), 0.0, 0.0)
 
 
+@dataclass(frozen=True)
+class CuringLayer(NormalLaw):
+    """An elastic layer that is as stiff as it is hot, thick and old: rate * temperature * x * time.
+
+    rate  [MPa/(mm^2 K s)] growth of the stiffness
+    """
+
+    rate: float
+    needs: ClassVar[tuple[str, ...]] = ("temperature", "position", "time")
+
+    @formula
+    def pressure(gap, temperature, position, time, p):
+        """Proportional to the overlap."""
+        return max(0.0, -p.rate * temperature * position.x * time * gap)
+
+
 @hookimpl
 def contactlab_parts() -> list[Part]:
-    """A material and a friction law."""
+    """A material, a friction law and a pressure law."""
     return [
         Part("material", "heated", f"{__name__}:Heated", "linear elasticity with thermal strain"),
         Part("friction", "softening", f"{__name__}:Softening", "Coulomb, less with the temperature"),
+        Part("enforcement", "curing-layer", f"{__name__}:CuringLayer", "as stiff as it is hot, thick and old"),
     ]

@@ -1,0 +1,66 @@
+"""Numbers beside the gap that a pressure law declares: its memory, and what it needs of time, place and slip."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contactlab.api import Floats, Ints, NormalLaw, State
+from contactlab.parts.remembered import remember
+
+if TYPE_CHECKING:
+    from contactlab.contact.pair import ContactPair
+
+
+class PressureMemory:
+    """What a law is called with by name, for the k multipliers of all contacts.
+
+    kept    (r, k) memory and, if needed, the rate of slip [mm/s] of the last step: a part of the state
+    points  undeformed positions (k, 2) [mm] of the slave nodes
+    fields  functions of time [s] that give fields (k,) of the scene
+    """
+
+    def __init__(self, law: NormalLaw, pairs: tuple[ContactPair, ...], state: State, reference: Floats) -> None:
+        self.law, self.state, self.kept = law, state, state["pressure_law"]
+        self.rows = dict(zip(kept_by(law), self.kept, strict=True))
+        nodes = np.concatenate([np.tile(pair.slave.nodes, pair.rows_per_node) for pair in pairs])
+        self.points = reference[nodes]
+        self.fields: Mapping[str, Callable[[float], Any]] = {}
+        self.time = self.dt = 0.0
+        remember(law, "start", law.start(), self.rows)
+
+    def begin_step(self, time: float, dt: float) -> None:
+        """Gaps are those of `time` [s], in a step of `dt` [s]."""
+        self.time, self.dt = time, dt
+
+    def of(self, slots: Ints | slice) -> dict[str, Any]:
+        """Keywords of the law for some multipliers."""
+        found: dict[str, Any] = {name: values[slots] for name, values in self.rows.items()}
+        found |= {
+            name: np.broadcast_to(value(self.time), len(self.points))[slots] for name, value in self.fields.items()
+        }
+        given = {"time": self.time, "dt": self.dt, "position": self.points[slots]}
+        return found | {name: given[name] for name in self.law.needs if name in given}
+
+    def accept(self, gap: Floats, stiffness: Floats, size: Floats, slip: Floats | None) -> None:
+        """Remember a step that is accepted, with gaps (k,) [mm] and, if there is friction, slips (k,) [mm] in it."""
+        pressure, slope = np.zeros_like(gap), np.zeros_like(gap)
+        gap = np.minimum(gap, self.law.begins())
+        self.law.pressure(gap, stiffness, size, pressure, slope, **self.of(slice(None)))
+        if "slip_rate" in self.rows and slip is not None:
+            self.rows["slip_rate"][:] = np.where(pressure > 0.0, slip / self.dt, 0.0)
+        known = {name: np.copy(values) for name, values in self.of(slice(None)).items()}
+        beside = {"gap": gap, "pressure": pressure, "stiffness": stiffness, "size": size}
+        remember(self.law, "evolve", self.law.evolve(**beside, **known), self.rows)
+
+
+def kept_by(law: NormalLaw) -> tuple[str, ...]:
+    """Rows of the state of a law, by name."""
+    return (*(("slip_rate",) if "slip_rate" in law.needs else ()), *law.memory)
+
+
+def named(memory: PressureMemory | None, slots: Ints | slice) -> dict[str, Any]:
+    """Keywords of a law for some multipliers: none for a law of the gap alone."""
+    return {} if memory is None else memory.of(slots)
