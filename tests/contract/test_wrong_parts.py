@@ -9,7 +9,9 @@ from pathlib import Path
 
 import pytest
 
+import contactlab.api
 from contactlab.cli import main
+from contactlab.parts.contract import faults
 from contactlab.parts.registry import Registry
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import load_scene
@@ -147,3 +149,24 @@ def contactlab_parts():
     words = r"step \d+: .*late_part.py, line \d+, in Late.stress: the part raised RuntimeError: too much"
     assert re.fullmatch(words, results.reason), results.reason
     assert len(results.history["time"]) >= 1
+
+
+@pytest.mark.parametrize(
+    ("kind", "base", "names", "told"),
+    [
+        ("friction", "FrictionLaw", {"needs": ("traction",)}, "its needs name traction; allowed: pressure"),
+        (
+            "material",
+            "Material",
+            {"memory": ("m",)},
+            "its memory is not read from a part of this kind; allowed: history",
+        ),
+        ("contact", "GapAlgorithm", {"memory": ("m",)}, "its memory is not read .* allowed: memory_size"),
+        ("effect", "Effect", {"needs": ("time",)}, "its needs is not read .* allowed: what the view has"),
+        ("enforcement", "NormalLaw", {"memory": ("m",)}, "it has memory and no evolve"),
+        ("enforcement", "ImplicitEnforcement", {"memory": ("m",)}, "its memory is not read .* allowed: none"),
+    ],
+)
+def test_needs_and_memory_that_nobody_reads_are_refused(kind: str, base: str, names: dict[str, str], told: str) -> None:
+    part = type("Mine", (getattr(contactlab.api, base),), names)
+    assert any(re.match(told, fault) for fault in faults(kind, part))

@@ -29,6 +29,7 @@ class State:
     memory.CONTACT  memory of a contact algorithm that declares any
     friction.CONTACT  (n, 2) friction of a potential at the end of the step, on the nodes of both sides [N]
                     or bound, pressure, rate and memory (r, k) of a friction law with needs
+    pressure_law    (r, k) memory of a pressure law that declares any, and the rate of slip [mm/s] if it needs that
 
     step_error      (2,)    error of the last step over its tolerance, and of the step before, with a `StepControl`
 

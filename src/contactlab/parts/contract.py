@@ -74,7 +74,7 @@ def _faults(kind: str, target: object) -> list[str]:
     return [
         *_missing_methods(target), *_missing_attributes(target),
         *(wrong_values(target) or _memory_without_use(target) or _other_arguments(target)),
-        *_misspelt(target), *_not_a_record(target),
+        *_unread(target), *_misspelt(target), *_not_a_record(target),
     ]  # fmt: skip
 
 
@@ -143,6 +143,27 @@ def _memory_without_use(target: type) -> list[str]:
     names = {*get_args(needs), *target.needs}
     taken = [name for name in target.memory if name in names or target.memory.count(name) > 1]
     return found + ([f"its memory is {target.memory}; allowed: names that differ, and none of needs"] if taken else [])
+
+
+def _unread(target: type) -> list[str]:
+    """Needs or memory, tuples of names, that nothing reads from a part of this kind."""
+    found = [
+        f"its {name} is not read from a part of this kind; allowed: {_INSTEAD.get((base, name), 'none')}"
+        for name in ("needs", "memory")
+        for base in target.__mro__
+        if base in _BASES and not hasattr(base, name) and isinstance(getattr(target, name, None), tuple)
+    ]
+    if issubclass(target, FrictionLaw) and "traction" in target.needs:
+        found.append("its needs name traction; allowed: pressure, which is minus the normal traction of the surface")
+    return found
+
+
+_BASES = tuple(base for bases in BASES.values() for base in bases)
+_INSTEAD: dict[tuple[type, str], str] = {
+    (Effect, "needs"): "what the view has: positions, velocities, masses, shares, factors of profiles",
+    (Material, "memory"): "history_names and history_size",
+    (ContactAlgorithm, "memory"): "memory_size", (GapAlgorithm, "memory"): "memory_size",
+}  # fmt: skip
 
 
 def _misspelt(target: type) -> list[str]:
