@@ -157,4 +157,48 @@ def test_wrong_effects_are_caught(caught: Any, check: Check, part: Effect) -> No
 
 
 def test_every_check_has_a_wrong_part() -> None:
-    assert {check for check, _ in WRONG} == set(effect.CHECKS)
+    assert {check for check, _ in WRONG} == set(effect.CHECKS) - {effect.memory_counts}
+
+
+@dataclass(frozen=True)
+class Creeping(Effect):
+    """Springs on the upper body whose ends creep after the nodes, with one flaw or none."""
+
+    flaw: str = ""
+
+    memory: ClassVar[tuple[str, ...]] = ("x",)
+
+    def bind(self, view: EffectView) -> Callable[..., Any]:
+        nodes = view.nodes("upper")
+        own = np.zeros(len(view.reference))
+
+        def pull(time: float, force: Floats, dt: float, memory: dict[str, Floats]) -> Any:
+            end = own if self.flaw == "own memory" else memory["x"]
+            if self.flaw not in ("writes memory", "own memory"):
+                end = end.copy()
+            if self.flaw != "does not creep":
+                end[nodes] += dt * (view.displacement[nodes, 0] - end[nodes])
+            force[nodes, 0] -= view.displacement[nodes, 0] - (0.0 if self.flaw == "deaf" else end[nodes])
+            if self.flaw == "gives nothing back":
+                return None
+            return {"y" if self.flaw == "another name" else "x": end[nodes] if self.flaw == "of its nodes" else end}
+
+        return pull
+
+
+@pytest.mark.parametrize(
+    ("flaw", "found"),
+    [
+        ("own memory", "remembers_nothing"),
+        ("writes memory", "memory_counts"),
+        ("does not creep", "memory_counts"),
+        ("deaf", "memory_counts"),
+        ("gives nothing back", "memory_counts"),
+        ("another name", "memory_counts"),
+        ("of its nodes", "memory_counts"),
+    ],
+)
+def test_flaws_of_memory_are_caught(flaw: str, found: str) -> None:
+    checks = {check.__name__: check for check in effect.CHECKS}
+    assert run_check(checks[found], Creeping()).status == "passed"
+    assert run_check(checks[found], Creeping(flaw)).status == "failed"

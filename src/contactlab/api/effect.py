@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
-from typing import ClassVar, NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, ClassVar, NamedTuple
 
 from contactlab.api.arrays import Floats, Ints
 from contactlab.api.profile import Profile
@@ -44,6 +44,7 @@ class Effect(ABC):
     Their fields are the TOML keys; a ValueError that `bind` raises is reported at the effect's table. Implicit
     integrators find by themselves how forces change with the positions and velocities of the nodes they act on.
 
+    memory        names of numbers that it remembers for each node, see `bind`; part of the state
     needs_mass    whether it needs masses in statics, too
     conservative  at any time its forces follow from positions alone, and do no work around a closed path
     dissipates    its forces never do positive work
@@ -52,6 +53,7 @@ class Effect(ABC):
     vectors       names of fields that are vectors (x, y): they turn with the scene
     """
 
+    memory: ClassVar[tuple[str, ...]] = ()
     needs_mass: ClassVar[bool] = False
     conservative: ClassVar[bool] = False
     dissipates: ClassVar[bool] = False
@@ -63,6 +65,15 @@ class Effect(ABC):
         """Times [s] at which what it does by the clock begins, turns or is over; infinite if it is never over."""
         return ()
 
+    def start(self) -> Mapping[str, float]:
+        """Memory at the start of a run, by name; 0 for names that are missing."""
+        return {}
+
     @abstractmethod
-    def bind(self, view: EffectView) -> Callable[[float, Floats], None]:
-        """A function (time, force (N, 2)) that adds the effect's nodal forces [N]."""
+    def bind(self, view: EffectView) -> Callable[..., Any]:
+        """A function (time, force (N, 2)) that adds the effect's nodal forces [N].
+
+        With memory it is (time, force, dt, memory): forces `dt` [s] after the time of the memory, read-only arrays (N,)
+        by name. It returns the memory after dt, by name, arrays (N,) or numbers; the core calls it once more after an
+        accepted step, and keeps that. dt is 0 for the forces at the start of a step.
+        """

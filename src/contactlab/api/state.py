@@ -31,6 +31,8 @@ class State:
                     or bound, pressure, rate and memory (r, k) of a friction law with needs
     pressure_law    (r, k) memory of a pressure law that declares any, and the rate of slip [mm/s] if it needs that
 
+    effects.N       (r, nodes) memory of an effect that declares any, at each node
+
     step_error      (2,)    error of the last step over its tolerance, and of the step before, with a `StepControl`
 
     and an integrator may declare more. Fields that no part declares do not exist.

@@ -16,10 +16,17 @@ class BoundIntegrator:
 
     name     of the integrator, for its faults
     advance  what its `bind` gave
+    follow   what is called with the end and the length [s] of each accepted step
     """
 
-    def __init__(self, name: str, advance: Callable[[float], Step], state: State) -> None:
-        self.name, self.advance = name, advance
+    def __init__(
+        self,
+        name: str,
+        advance: Callable[[float], Step],
+        state: State,
+        follow: tuple[Callable[[float, float], None], ...] = (),
+    ) -> None:
+        self.name, self.advance, self.follow = name, advance, follow
         self.clock, self.work, self.reaction = state["clock"], state["work"], state["reaction"]
         self.error = state["step_error"] if "step_error" in state else None
 
@@ -49,6 +56,8 @@ class BoundIntegrator:
                 if done.error is None or not done.error >= 0.0:
                     raise WrongAnswer(f"{self.name}: its step gave error {done.error}, needed: a number of at least 0")
                 self.error[1], self.error[0] = self.error[0], done.error
+            for remember in self.follow:
+                remember(after, dt)
             clock[0], clock[1], clock[2] = after, count + 1.0, dt
         return done
 

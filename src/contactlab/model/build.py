@@ -25,6 +25,7 @@ from contactlab.model.timing import Timing, find_timing
 from contactlab.parts.error_origin import part_errors
 
 if TYPE_CHECKING:
+    from contactlab.api import Effect
     from contactlab.model.bodies.frequency import Joints
     from contactlab.model.contact.plan import ContactPlan
     from contactlab.model.loading.rigid import RigidSurface
@@ -59,20 +60,23 @@ def _built(scene: Scene, registry: Registry) -> Model:
     told: list[RunWarning] = []
     supports = plan_supports(scene, bodies, rigid, reference, told)
     check_supported(scene, bodies, supports, integrator)
-    history = history_of(scene, bodies, plans, integrator)
+    made = tuple(
+        registry.make("effect", spec, scene.where(f"effects.{number}")) for number, spec in enumerate(scene.effects)
+    )
+    history = history_of(scene, bodies, plans, made, integrator)
     timing = find_timing(
         scene, bodies, reference, mass, supports, integrator, history, lambda: _joints(plans, reference)
     )
     prescribed = supports.bind(timing.ramps)
     _refuse_impossible(scene, bodies, rigid, reference, prescribed, timing.last)
-    state = State(_shapes(len(reference), bodies, integrator, plans, timing))
+    state = State(_shapes(len(reference), bodies, integrator, plans, made, timing))
     position, increment = reference.copy(), _increment(bodies, len(reference))
     forces = _bind_all(scene.threads, bodies, reference, position, increment, state, model_class.explicit)
     _initial_velocity(scene, bodies, reference, mass, state, told)
     driven = any(supports.moving) or bool(scene.loads or scene.effects)
     contact = _contact(plans, bodies, reference, prescribed.dof, state, mass, timing.ramp, driven, forces, position)
     _split_work(scene, integrator, contact, state, reference)
-    effects = _effects(scene, registry, bodies, rigid, reference, state, told)
+    effects = _effects(made, scene, registry, bodies, rigid, reference, state, told)
     loads = _loads(scene, bodies, reference, position, timing.ramps, told)
     model = model_class(
         reference=reference,
@@ -186,6 +190,7 @@ def _loads(scene: Scene, *arguments: Any) -> Any:
 
 
 def _effects(
+    made: tuple[Effect, ...],
     scene: Scene,
     registry: Registry,
     bodies: tuple[Body, ...],
@@ -194,11 +199,11 @@ def _effects(
     state: State,
     told: list[RunWarning],
 ) -> Any:
-    if not scene.effects:
+    if not made:
         return ()
     from contactlab.model.loading.effects import build_effects
 
-    return build_effects(scene, registry, bodies, reference, lambda: masses_of(bodies, rigid), state, told)
+    return build_effects(made, scene, registry, bodies, reference, lambda: masses_of(bodies, rigid), state, told)
 
 
 def _needs(model: Model, scene: Scene) -> None:
@@ -227,7 +232,12 @@ def _needs(model: Model, scene: Scene) -> None:
 
 
 def _shapes(
-    nodes: int, bodies: tuple[Body, ...], integrator: Integrator, plans: tuple[ContactPlan, ...], timing: Timing
+    nodes: int,
+    bodies: tuple[Body, ...],
+    integrator: Integrator,
+    plans: tuple[ContactPlan, ...],
+    effects: tuple[Effect, ...],
+    timing: Timing,
 ) -> Mapping[str, tuple[int, ...]]:
     shapes: dict[str, tuple[int, ...]] = {"clock": (3,), "displacement": (nodes, 2)}
     if integrator.inertia:
@@ -240,6 +250,7 @@ def _shapes(
 
         shapes |= contact_shapes(plans, nodes)
     shapes |= {f"history.{body.name}": body.history_shape() for body in bodies if body.material.history_size}
+    shapes |= {f"effects.{i}": (len(effect.memory), nodes) for i, effect in enumerate(effects) if effect.memory}
     if integrator.control() is not None:
         shapes["step_error"] = (2,)
     return shapes | dict(integrator.memory(nodes))

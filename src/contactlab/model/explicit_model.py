@@ -54,7 +54,7 @@ class ExplicitModel(Model):
         advance = self.integrator.bind(self if seen is None else seen, self.state)
         if self.contact is not None:
             advance = self.contact.following(advance)
-        return BoundIntegrator(type(self.integrator).__name__, advance, self.state)
+        return BoundIntegrator(type(self.integrator).__name__, advance, self.state, self.loading.accepted)
 
     def lagging_work(self) -> float:
         """Work of the stresses [mJ] between the time of the velocities and that of the positions."""

@@ -11,7 +11,7 @@ from contactlab.model.loading.declared import courses_in
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from contactlab.api import Integrator
+    from contactlab.api import Effect, Integrator
     from contactlab.model.bodies.body import Body
     from contactlab.model.contact.plan import ContactPlan
     from contactlab.scene.scene import Scene
@@ -47,10 +47,17 @@ class History:
         return ", ".join(self.because) or "none: the end does not depend on the loading path"
 
 
-def history_of(scene: Scene, bodies: Iterable[Body], plans: Iterable[ContactPlan], integrator: Integrator) -> History:
+def history_of(
+    scene: Scene,
+    bodies: Iterable[Body],
+    plans: Iterable[ContactPlan],
+    effects: Iterable[Effect],
+    integrator: Integrator,
+) -> History:
     """What of a scene remembers its way."""
     laws = [f"bodies.{b.name}.material" for b in bodies if b.material.history_size or b.material.rate_dependent]
     laws += [f"{p.name}.enforcement" for p in plans if isinstance(p.enforcement, NormalLaw) and p.enforcement.memory]
+    laws += [f"effects.{i}" for i, effect in enumerate(effects) if effect.memory]
     return History(
         laws=tuple(laws),
         friction=tuple(f"contacts.{i}.friction" for i, contact in enumerate(scene.contacts) if contact.friction),

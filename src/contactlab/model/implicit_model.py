@@ -103,7 +103,7 @@ class ImplicitModel(Model):
     def bound_integrator(self, seen: Any = None) -> BoundIntegrator:
         """What makes the steps of a run; `seen` is what the integrator sees in place of this model."""
         advance = self.integrator.bind(self if seen is None else seen, self.state)
-        return BoundIntegrator(type(self.integrator).__name__, advance, self.state)
+        return BoundIntegrator(type(self.integrator).__name__, advance, self.state, self.loading.accepted)
 
     def lagging_work(self) -> float:
         """None: velocities and positions are those of one time."""

@@ -13,7 +13,7 @@ from contactlab.api import BLOCK_CELLS, ExplicitEnforcement, ExplicitIntegrator,
 from contactlab.errors import RequestError
 from contactlab.testing.assertions import NotApplicable
 from contactlab.testing.cells import distorted_cells
-from contactlab.testing.effect import Scenery
+from contactlab.testing.effect import Scenery, added
 from contactlab.testing.gap_rows import coupled_normals, rows_from
 from contactlab.testing.oscillator import Oscillator
 from contactlab.testing.points import gradients, no_history
@@ -137,7 +137,7 @@ def _integrator(subject: Subject) -> tuple[str, Call]:
 
 def _effect(subject: Subject) -> tuple[str, Call]:
     view = Scenery.moving(1).view
-    add, force = subject.make().bind(view), np.zeros_like(view.reference)
+    add, force = added(subject.make(), view), np.zeros_like(view.reference)
     return f"forces on {len(force)} nodes", lambda: add(0.3, force)
 
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from contactlab.testing.units import FORCE, LONG, TIME, in_other_units, same_in_
 
 TIMES = (0.0, 0.3, 0.7)  # s
 LATER = (1e-6, 0.1, 0.7, 30.0)  # s after the last time at which an effect declares a change
+SINCE = 0.01  # s after the time of what an effect remembers
 ROUND_OFF = 1e-12  # of the largest force
 PARTS = 40  # of each leg of a path
 
@@ -43,14 +45,29 @@ class Scenery:
 
         return cls(EffectView(reference, mass, *state, ("upper", "lower"), _nodes, _shares, factors))
 
-    def forces(self, effect: Effect, times: tuple[float, ...] = TIMES) -> list[Floats]:
+    def forces(self, effect: Effect, times: tuple[float, ...] = TIMES, since: float = SINCE) -> list[Floats]:
         """Nodal forces at the times, one after another, from one binding."""
-        add, found = effect.bind(self.view), []
+        add, found = added(effect, self.view, since), []
         for time in times:
             force = np.zeros_like(self.view.reference)
             add(time, force)
             found.append(force)
         return found
+
+
+def added(effect: Effect, view: EffectView, since: float = SINCE) -> Callable[[float, Floats], Any]:
+    """What adds the forces; of an effect with memory those `since` [s] after the memory of the start."""
+    add = effect.bind(view)
+    if not effect.memory:
+        return add
+    memory = memory_of(effect, view)
+    return lambda time, force: add(time, force, since, memory)
+
+
+def memory_of(effect: Effect, view: EffectView) -> dict[str, Floats]:
+    """Memory (N,) at the start of a run, by name."""
+    given, nodes = effect.start(), len(view.reference)
+    return {name: np.full(nodes, float(given.get(name, 0.0))) for name in effect.memory}
 
 
 def _nodes(name: str) -> Ints:
@@ -86,7 +103,7 @@ def adds_to_what_is_there(effect: Effect) -> None:
     alone = scenery.forces(effect, (0.3,))[0]
     before = np.random.default_rng(2).uniform(-1.0, 1.0, alone.shape) * max(1.0, float(np.abs(alone).max()))
     together = before.copy()
-    effect.bind(scenery.view)(0.3, together)
+    added(effect, scenery.view)(0.3, together)
     within = ROUND_OFF * float(np.abs(before).max() + np.abs(alone).max())
     agree(together - before, alone, within, "forces added to others")
 
@@ -94,7 +111,7 @@ def adds_to_what_is_there(effect: Effect) -> None:
 def follows_the_state(effect: Effect) -> None:
     """The view is always current: a state that changes after `bind` gives the forces of the new state."""
     begun, later = Scenery.moving(3), Scenery.moving(4)
-    add = effect.bind(begun.view)
+    add = added(effect, begun.view)
     add(0.1, np.zeros_like(begun.view.reference))
     begun.view.displacement[:], begun.view.velocity[:] = later.view.displacement, later.view.velocity
     force = np.zeros_like(begun.view.reference)
@@ -104,12 +121,33 @@ def follows_the_state(effect: Effect) -> None:
 
 
 def remembers_nothing(effect: Effect) -> None:
-    """Forces depend on the state and the time alone: in any order of times, to the last bit, as a restart needs."""
+    """Forces depend on state, memory and time alone: in any order of times, to the last bit, as a restart needs."""
     times = _times(effect)
     forward = Scenery.moving(5).forces(effect, times)
     backward = Scenery.moving(5).forces(effect, times[::-1])[::-1]
     for time, one, other in zip(times, forward, backward, strict=True):
         identical(one, other, f"forces at {time} s, asked in another order")
+
+
+def memory_counts(effect: Effect) -> None:
+    """It gives back all that it remembers, changed by a step, leaves what it is given alone, and follows it."""
+    if not effect.memory:
+        raise NotApplicable("it declares no memory")
+    view = Scenery.moving(15).view
+    add, start = effect.bind(view), memory_of(effect, view)
+    force, later = np.zeros_like(view.reference), np.zeros_like(view.reference)
+    with untouched(**start):
+        found = add(0.3, force, SINCE, start)
+    require(isinstance(found, dict), f"its function gave {type(found).__name__}, needed: its memory, a dict")
+    for name in effect.memory:
+        require(name in found, f"its function gives no {name} back, which memory {effect.memory} names")
+        value = np.asarray(found[name], np.float64)
+        require(value.shape in ((), start[name].shape), f"{name}: got shape {value.shape}, allowed: a number or (N,)")
+        require(bool(np.isfinite(value).all()), f"{name} is not finite")
+        require(bool(np.any(value != start[name])), f"a step never changes {name}")
+        add(0.3, later, SINCE, {**start, name: start[name] + 0.1})
+        require(not np.array_equal(later, force), f"it declares {name}, and no force follows it")
+        later[:] = 0.0
 
 
 def leaves_the_view_alone(effect: Effect) -> None:
@@ -145,7 +183,7 @@ def units_do_not_matter_to_it(effect: Effect) -> None:
             velocity=LONG / TIME * view.velocity, mass=FORCE * TIME**2 / LONG * view.mass,
         )  # fmt: skip
         times = _times(one)
-        found = Scenery(scaled).forces(other, tuple(TIME * time for time in times))
+        found = Scenery(scaled).forces(other, tuple(TIME * time for time in times), TIME * SINCE)
         same_in_other_units(found, Scenery(view).forces(one, times), FORCE, "forces")
 
 
@@ -165,10 +203,12 @@ def masses_are_asked_for(effect: Effect) -> None:
 
 def work_around_a_path_is_declared(effect: Effect) -> None:
     """Around closed paths of displacements the forces do no work, if the part declares that it is `conservative`."""
+    if effect.memory:
+        raise NotApplicable("its forces follow its memory: what they do around a path depends on its time")
     scenery = Scenery.moving(8)
     view, rng = scenery.view, np.random.default_rng(9)
     view.velocity[:] = 0.0
-    add, corners = effect.bind(view), [rng.uniform(-0.1, 0.1, view.reference.shape) for _ in range(3)]
+    add, corners = added(effect, view), [rng.uniform(-0.1, 0.1, view.reference.shape) for _ in range(3)]
     work, size = 0.0, 0.0
     times = _times(effect)
     busiest = times[int(np.argmax([np.abs(force).max() for force in scenery.forces(effect, times)]))]
@@ -250,6 +290,7 @@ CHECKS: tuple[Check, ...] = (
     adds_to_what_is_there,
     follows_the_state,
     remembers_nothing,
+    memory_counts,
     leaves_the_view_alone,
     times_are_declared,
     points_and_vectors_are_fields,

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactlab.api import EffectView, Floats, Ints, Profile, RunWarning, State
+from contactlab.api import Effect, EffectView, Floats, Ints, Profile, RunWarning, State
 from contactlab.errors import below
 from contactlab.model.bodies.body import Body
 from contactlab.model.loading.edge_sets import nodes_of
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 
 def build_effects(
+    made: Sequence[Effect],
     scene: Scene,
     registry: Registry,
     bodies: tuple[Body, ...],
@@ -34,9 +35,6 @@ def build_effects(
     told: list[RunWarning],
 ) -> tuple[Load, ...]:
     """One call for each of the scene's effects; `masses` makes the nodal masses, which statics may do without."""
-    made = [
-        registry.make("effect", spec, scene.where(f"effects.{number}")) for number, spec in enumerate(scene.effects)
-    ]
     mass = masses() if "velocity" in state or any(effect.needs_mass for effect in made) else np.zeros(0)
     displacement = state["displacement"]
     velocity = state["velocity"] if "velocity" in state else np.zeros_like(displacement)
@@ -50,9 +48,14 @@ def build_effects(
         factors = partial(_factors, bodies, reference, registry, below(where, "profile"), told)
         view = EffectView(reference, mass, displacement, velocity, names, nodes, shares, factors)
         try:
-            loads.append(effect.bind(view))
+            add = effect.bind(view)
         except ValueError as problem:
             raise refused_later(type(effect), "the effect is refused", str(problem), where) from problem
+        if effect.memory:
+            from contactlab.model.loading.remembering_effect import RememberingEffect
+
+            add = RememberingEffect(effect, add, state, f"effects.{number}")
+        loads.append(add)
     return tuple(loads)
 
 

@@ -25,6 +25,11 @@ class Loading:
     effects: tuple[Callable[[float, Floats], None], ...]
     rates: EffectRates = NO_EFFECTS
 
+    @property
+    def accepted(self) -> tuple[Callable[[float, float], None], ...]:
+        """What to call with the end and the length [s] of each accepted step: effects that remember."""
+        return tuple(effect.accept for effect in self.effects if hasattr(effect, "accept"))
+
     def external_force(self, time: float, out: Floats) -> bool:
         """Fill `out` (N, 2) with the forces [N] of all loads at `time` [s]; False where the scene has none."""
         if not self.loads:

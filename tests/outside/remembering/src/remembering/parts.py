@@ -3,7 +3,9 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from contactlab.api import NormalLaw, formula
+import numpy as np
+
+from contactlab.api import Effect, NormalLaw, formula
 from contactlab.api.plugin import Part, hookimpl
 
 
@@ -58,10 +60,39 @@ class WornLayer(NormalLaw):
         return worn + p.wear * pressure * abs(slip_rate) * dt
 
 
+@dataclass(frozen=True)
+class Maxwell(Effect):
+    """A spring and a dashpot in series between nodes and the ground, in both directions.
+
+    stiffness   [N/mm] of the springs of all nodes together
+    relaxation  [s] time in which the force of a held node falls to 37 %
+    on          bodies or edge sets
+    """
+
+    stiffness: float
+    relaxation: float
+    on: tuple[str, ...]
+    memory: ClassVar[tuple[str, ...]] = ("x", "y")
+
+    def bind(self, view):
+        """Forces of the springs; the ends of dashpots, x and y [mm], follow by implicit Euler steps."""
+        nodes, share = view.shares(self.on)
+        springs = self.stiffness * share[:, None]
+
+        def add(time, force, dt, memory):
+            end = np.stack([memory["x"], memory["y"]], axis=1)
+            end[nodes] += (view.displacement[nodes] - end[nodes]) * (dt / (dt + self.relaxation))
+            force[nodes] -= springs * (view.displacement[nodes] - end[nodes])
+            return dict(zip("xy", end.T, strict=True))
+
+        return add
+
+
 @hookimpl
 def contactlab_parts() -> list[Part]:
-    """Two pressure laws."""
+    """Two pressure laws and an effect."""
     return [
         Part("enforcement", "crushed-layer", f"{__name__}:CrushedLayer", "elastic until it is crushed"),
         Part("enforcement", "worn-layer", f"{__name__}:WornLayer", "loses thickness by pressure and slip"),
+        Part("effect", "maxwell", f"{__name__}:Maxwell", "springs and dashpots in series to the ground"),
     ]
