@@ -70,7 +70,7 @@ def crushed_in_series(pushes: Floats, limit: float, stiffness: float, hardening:
 def test_a_crushed_layer_unloads_by_what_is_left_of_it() -> None:
     """Pushed beyond its limit, let go, lifted and pushed further; 1e-7 is what load steps are solved to."""
     points = [[0.0, 0.0], [0.4, 0.02], [0.7, 0.006], [1.0, 0.025]]
-    results = contactlab.simulate(block(STIFF, {"use": "newton", "steps": 10}, **pressed_back_and_forth(points)))
+    results = contactlab.simulate(block(STIFF, {"use": "newton", "steps": 6}, **pressed_back_and_forth(points)))
     assert results.status == "finished", results.reason
     found = np.abs(results.history["contacts.0.fy"]) / WIDTH
     pushes = np.interp(results.history["time"], *np.array(points).T)
@@ -113,12 +113,12 @@ def test_wear_is_pressure_times_slip(use: str) -> None:
     """Pushed down at a rate on a floor that moves: dw/ds = c p and p = k (u - w), k of bar and layer in series.
 
     So p = U/(c S) (1 - exp(-c k S)) after the way S, at the push U. A step wears by its first or last pressure, which
-    is half of c k S/50 off at the most; an explicit bar rings by the stress of its push, density c v, 3e-3 of p.
+    is half of c k S/25 off at the most; an explicit bar rings by the stress of its push, density c v, 8e-3 of p.
     """
-    stiffness, wear, way, push, end = 500.0, 2e-4, 3.0, 0.01, 1e-3
+    stiffness, wear, way, push, end = 500.0, 2e-4, 3.0, 0.01, 4e-4
     scene = block(
         {"use": "worn-layer", "stiffness": stiffness, "wear": wear},
-        {"use": use, "steps": 50} if use == "newton" else use, time={"end": end},
+        {"use": use, "steps": 25} if use == "newton" else use, time={"end": end},
         supports=[{"on": "b.top", "ux": 0.0, "uy": {"ramp": "linear", "to": -push}}],
     ).with_(
         {"rigid.floor.ux": {"ramp": "linear", "to": way}, "contacts.0.friction": {"use": "coulomb", "mu": 0.0}}
@@ -128,7 +128,7 @@ def test_wear_is_pressure_times_slip(use: str) -> None:
     series = YOUNG * stiffness / (YOUNG + stiffness)
     expected = push / (wear * way) * -math.expm1(-wear * series * way)
     found = np.abs(results.history["contacts.0.fy"][-1]) / WIDTH
-    assert found == pytest.approx(expected, rel=2e-3 if use == "newton" else 3e-3)
+    assert found == pytest.approx(expected, rel=4e-3 if use == "newton" else 8e-3)
 
 
 def test_what_wears_needs_friction_to_measure_slip() -> None:

@@ -113,11 +113,11 @@ def test_friction_falls_with_the_temperature_of_its_place() -> None:
 
 @INTEGRATORS
 def test_a_pressure_follows_temperature_place_and_time(integrator: str) -> None:
-    """Rate T x t u over the nodes' lengths, under a block a million times as stiff; explicit ends ring by 1e-3, v H/c.
+    """Rate T x t u over the nodes' lengths, under a block a million times as stiff; explicitly it rings by 4e-3 u.
 
     Lengths times places are 2 for x from 0 to 2, whatever the shares of nodes.
     """
-    push, end, rate = 0.01, 1e-3, 0.01
+    push, end, rate = 0.01, 2.5e-4, 0.01
     scene = Scene.from_data(
         {
             "time": {"end": end},
@@ -144,7 +144,7 @@ def test_a_pressure_follows_temperature_place_and_time(integrator: str) -> None:
     results = contactlab.simulate(scene)
     assert results.status == "finished", results.reason
     found = abs(results.history["contacts.0.fy"][-1])
-    assert found == pytest.approx(rate * 100.0 * 2.0 * end * push, rel=1e-5 if integrator == "newton" else 3e-3)
+    assert found == pytest.approx(rate * 100.0 * 2.0 * end * push, rel=1e-5 if integrator == "newton" else 1e-2)
     with pytest.raises(SceneError, match=r"contacts\.0\.enforcement(.|\n)*got +\"temperature\""):
         build(scene.with_({"fields": {}}), REGISTRY)
 

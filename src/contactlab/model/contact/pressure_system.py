@@ -120,12 +120,12 @@ class PressureContactSystem(ConsistentContactSystem):
             gaps = np.minimum(np.where(pair.gaps[:, 0] < FAR, pair.gaps[:, 0], 0.0), self.law.begins())
             size = np.where(pair.full > 0.0, pair.full, pair.size)
             steepest = float(self.shear[number])
-            # what remembers may be steeper on its way back, and what follows the rate of its gap is half a step behind
+            # what remembers may be steeper on its way back
             for way in (-moved,) if self.memory is None else (-moved, 0.0, moved):
                 pressure, slope = np.zeros_like(gaps), np.zeros_like(gaps)
                 where = np.minimum(gaps + way, -1e-9 * pair.size)
                 self.law.pressure(where, self.stiffness[own], size, pressure, slope, **named(self.memory, own))
-                steepest = max(steepest, float(-slope.min(initial=0.0)) * (2.0 if "dt" in self.law.needs else 1.0))
+                steepest = max(steepest, float(-slope.min(initial=0.0)))
             self.allowed[number] = SPARE * steepest
         squares = self.allowed * self.densities
         return replace(others, square=others.square + float(squares.sum() if self.shared else squares.max()))
