@@ -34,6 +34,7 @@ class LeaningForces:
         self.model, self.pairs, self.worst = model, model.contact.pairs, np.zeros(5)  # type: ignore[union-attr]
         self.bodies = [slice(body.first, body.first + body.count) for body in model.bodies]
         shares = np.array([[self._shares(side) for side in (pair.slave, pair.master)] for pair in self.pairs])
+        self.rigid = ~shares[:, 1].any(axis=1)  # contacts whose master is a rigid surface, which is never a slave
         self.signs = shares[:, 0] - shares[:, 1]  # (contacts, bodies): of the slave, and of the master the opposite
         self.known = ((shares == 0.0) | (shares == 1.0)).all(axis=(0, 1))  # bodies that no chain shares with others
 
@@ -42,14 +43,15 @@ class LeaningForces:
         state, position = self.model.state, self.model.position
         if not state["multipliers"][0].any():
             return
-        told, largest = np.zeros((len(self.bodies), 2)), np.zeros(len(self.pairs))
+        told, largest, total = np.zeros((len(self.bodies), 2)), np.zeros(len(self.pairs)), np.zeros(len(self.pairs))
         for number, pair in enumerate(self.pairs):
             seen = pair.snapshot(state, position)
             told += np.outer(self.signs[number], seen.resultant)
-            largest[number] = seen.forces[0].max(initial=0.0)
+            largest[number], total[number] = seen.forces[0].max(initial=0.0), seen.forces[0].sum()
         acting = np.array([state["contact_force"][own].sum(axis=0) for own in self.bodies])
         apart = np.where(self.known, np.hypot(*(acting - told).T), 0.0)
-        self.worst[4] = max(self.worst[4], *np.hypot(*told.T), *np.hypot(*acting.T))
+        # a body that is squeezed between two walls, or a ring all around, has forces that add up to nothing
+        self.worst[4] = max(self.worst[4], *total, *np.hypot(*acting.T))
         if apart.max() > self.worst[0]:
             number = int(largest.argmax())
             pair = self.pairs[number]
@@ -66,11 +68,13 @@ class LeaningForces:
         share = float(apart / max(largest, np.finfo(float).tiny))
         if share <= APART:
             return None
-        name = self.pairs[int(number)].name
+        name, corner = self.pairs[int(number)].name, f"the corner near ({x:.4g}, {y:.4g})"
+        key, mend = f"{name}.swap", f"make the side with {corner} the slave ({name}.swap), round it"
+        if self.rigid[int(number)]:
+            key, mend = f"{name}.algorithm", f"round {corner}"
         return needed(
-            "leaning-forces", share, APART, f"{name}.swap",
+            "leaning-forces", share, APART, key,
             f"{name}: contact forces differ by {per_cent(share)} of the largest from what pressure and shear add up "
             "to: mean gaps change as segments slide past a corner, which holds them up",
-            f"make the side with the corner near ({x:.4g}, {y:.4g}) the slave ({name}.swap), round it, or take "
-            "node-on-segment",
+            f"{mend}, or take node-on-segment",
         )  # fmt: skip

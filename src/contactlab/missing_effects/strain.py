@@ -13,6 +13,7 @@ from contactlab.model.model import Model
 
 STRAIN = 0.05  # largest principal strain of small-strain laws
 ROTATION = math.radians(5.0)  # it adds about 1 - cos(5 degrees) = 0.4 % of false strain
+TORQUE = 0.01  # of the moments of its forces: in a stretched bar the rotation; friction errs by that over mu
 LEFT_OUT = 0.5 * STRAIN  # of the strain energy, as if half of it were where strains are that large
 
 
@@ -29,33 +30,44 @@ def strain_detectors(scene: object, model: Model) -> Detectors:
 
 class LargeStrain:
     """`worst`: largest principal strain [-] and rotation [rad] of any point; largest work [mJ] of the stresses on the
-    strain that the law leaves out, and largest strain energy [mJ] of the body.
+    strain that the law leaves out, and largest strain energy [mJ] of the body; largest torque [N mm] of the stresses
+    about the deformed body, and largest moment of all of them.
 
-    The law leaves H^T H/2 out of the strain, H = du/dX: the share of that work is the strain in a stretched bar, and
+    Forces on a deformed body have no torque in equilibrium; small-strain laws balance them where it was at the start.
+    Such a law leaves H^T H/2 out of the strain, H = du/dX: the share of that work is the strain in a stretched bar, and
     above one in a body that turns. Few points at an edge of contact add little to it, and change no force.
     """
 
     def __init__(self, forces: BodyForces, key: str) -> None:
-        self.forces, self.key, self.worst = forces, key, np.zeros(4)
+        self.forces, self.key, self.worst = forces, key, np.zeros(6)
 
     def update(self) -> None:
-        """Strain, rotation and energies from the displacement gradients of the last update."""
-        left_out = energy = 0.0
+        """Strain, rotation, energies and torque from the displacement gradients of the last update."""
+        left_out = energy = torque = moment = 0.0
         for block, volume in self.forces.current_volumes():
             np.maximum(self.worst[:2], _strain_and_rotation(block.gradient), out=self.worst[:2])
             works = _works(block)
             left_out += float(np.abs(works[0]) @ volume)
             energy += float(0.5 * np.abs(works[1]) @ volume)
-        np.maximum(self.worst[2:], (left_out, energy), out=self.worst[2:])
+            torque += float(_torque(block) @ volume)
+            moment += float((np.abs(block.stress[[XX, YY, XY, XY]]) @ volume).sum())
+        np.maximum(self.worst[2:], (left_out, energy, abs(torque), moment), out=self.worst[2:])
 
     def warning(self) -> RunWarning | None:
         """Advise a law for finite strain, once strains are large where much of the energy is; None before."""
-        strain, rotation, left_out, energy = (float(value) for value in self.worst)
-        if (strain <= STRAIN and rotation <= ROTATION) or left_out <= LEFT_OUT * energy:
+        strain, rotation, left_out, energy, torque, moment = (float(value) for value in self.worst)
+        if left_out <= LEFT_OUT * energy:
             return None
-        value, limit, seen = rotation, ROTATION, f"rotations reach {math.degrees(rotation):.1f} degrees"
+        turned = f"rotations reach {math.degrees(rotation):.1f} degrees"
         if strain > STRAIN:
             value, limit, seen = strain, STRAIN, f"strains reach {per_cent(strain)}"
+        elif rotation > ROTATION:
+            value, limit, seen = rotation, ROTATION, turned
+        elif torque > TORQUE * moment:
+            value, limit = torque / moment, TORQUE
+            seen = f"{turned}, and its forces have a torque of {per_cent(value)} of their moments (limit {per_cent(TORQUE)})"
+        else:
+            return None
         return needed(
             "finite-strain",
             value,
@@ -79,6 +91,12 @@ def _works(block: Block) -> tuple[Floats, Floats]:
     (xx, xy, yx, yy), stress = block.gradient, block.stress
     left_out = 0.5 * (stress[XX] * (xx**2 + yx**2) + stress[YY] * (xy**2 + yy**2)) + stress[XY] * (xx * xy + yx * yy)
     return left_out, stress[XX] * xx + stress[YY] * yy + stress[XY] * (xy + yx)
+
+
+def _torque(block: Block) -> Floats:
+    """Torque (P,) [MPa] per volume of symmetric stresses that act on the undeformed body."""
+    (xx, xy, yx, yy), stress = block.gradient, block.stress
+    return np.asarray(stress[XX] * yx - stress[YY] * xy + stress[XY] * (yy - xx))
 
 
 class UnusedYieldStress:

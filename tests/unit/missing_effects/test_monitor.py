@@ -128,6 +128,28 @@ def test_a_cell_that_is_strained_evenly_does_not_lock() -> None:
     assert forces[0] == pytest.approx(forces[1], rel=1e-9)
 
 
+@pytest.mark.parametrize("law", ["linear-elastic", "neo-hookean"])
+def test_a_pulled_strip_whose_end_moves_aside_needs_a_law_for_rotations(law: str) -> None:
+    """It pulls back with F d/L, as a string: a small-strain law gives its bending stiffness alone, and says so."""
+    force, aside, length = 1.0, 0.2, 10.0
+    scene = block({"use": law, **ELASTIC, "poisson": 0.0}) | {"time": {}, "integrator": "newton"}
+    mesh = {"use": "rectangle", "x": [0.0, length], "y": [0.0, 0.1], "cells": [20, 1]}
+    scene["bodies"] = {"low": {"element": "q2", "material": "m", "mesh": mesh}}
+    end = {"on": "low.right", "uy": {"ramp": "linear", "to": aside}}
+    scene["supports"] = [{"on": "low.left", "ux": 0.0, "uy": 0.0}, end]
+    scene["loads"] = [{"on": "low.right", "tx": {"ramp": "linear", "to": force / 0.1}}]
+    results = simulate(Scene.from_data(scene))
+    back = results.summary["reactions"]["low.right"][1]
+    if law == "neo-hookean":
+        # 3 %: rotations that both ends hold over (EI/F)^(1/2), a hundredth of the length each
+        assert back == pytest.approx(force * aside / length, rel=0.03)
+        assert results.warnings == []
+    else:
+        assert back < 0.01 * force * aside / length
+        assert [warning.code for warning in results.warnings] == ["finite-strain"]
+        assert results.warnings[0].value == pytest.approx(aside / length, rel=0.01)  # the rotation
+
+
 def test_mortars_are_not_advised_on_the_side_of_the_slave() -> None:
     assert "other-slave" not in [warning.code for warning in warnings_of(with_stiff_slave("mortar-p0"))]
 
