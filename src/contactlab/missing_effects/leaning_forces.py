@@ -34,7 +34,7 @@ class LeaningForces:
         self.model, self.pairs, self.worst = model, model.contact.pairs, np.zeros(5)  # type: ignore[union-attr]
         self.bodies = [slice(body.first, body.first + body.count) for body in model.bodies]
         shares = np.array([[self._shares(side) for side in (pair.slave, pair.master)] for pair in self.pairs])
-        self.rigid = ~shares[:, 1].any(axis=1)  # contacts whose master is a rigid surface, which is never a slave
+        self.rigid = [not of_master.any() for of_master in shares[:, 1]]  # never slaves
         self.signs = shares[:, 0] - shares[:, 1]  # (contacts, bodies): of the slave, and of the master the opposite
         self.known = ((shares == 0.0) | (shares == 1.0)).all(axis=(0, 1))  # bodies that no chain shares with others
 

@@ -65,7 +65,7 @@ class LargeStrain:
             value, limit, seen = rotation, ROTATION, turned
         elif torque > TORQUE * moment:
             value, limit = torque / moment, TORQUE
-            seen = f"{turned}, and its forces have a torque of {per_cent(value)} of their moments (limit {per_cent(TORQUE)})"
+            seen = f"{turned}, and its forces have a torque of {per_cent(value)} of their moments"
         else:
             return None
         return needed(

@@ -120,7 +120,7 @@ def _coarse_facets(model: Model, pair: ContactPair, curve: ContactCurve) -> Iter
     """How deep the facets of a curved pair are where it presses, against how far its surfaces came together there."""
     if pair.start_distance is not None or pair.smooth is not None:
         return  # what facets are deep by is no gap
-    if _few_between_open_ones(curve):
+    if _few_between_open_ones(curve, _chains(pair, curve)):
         return  # of a disc on a plane the mean pressure is right to 1 % with three nodes; see `_few_nodes`
     force = model.state["multipliers"][0, pair.own]
     pressed = np.flatnonzero(force.reshape(pair.rows_per_node, -1).max(axis=0) > 0.0).astype(np.int32)
@@ -156,25 +156,33 @@ def _few_nodes(model: Model, pair: ContactPair, curve: ContactCurve) -> Iterator
     """Whether enough nodes carry the peak of a pressure that falls to zero on both sides of it.
 
     Multipliers and nodal forces over the length that is covered are two pressures of the same forces, which agree
-    where the mesh resolves the pressure. A peak at an edge or below an apex has no limit, and is left alone.
+    where the mesh resolves the pressure; where multipliers are nodal pressures, as of dual ones, the mean over a hat
+    says how much the peak exceeds it: h^2/12 of the second derivative, h being the length of the segments beside it.
+    A peak at an edge or below an apex has no limit, and is left alone.
     """
     peak = int(curve.nodal_pressure.argmax())
-    if cusps(pair, model.reference)[max(0, peak - 1) : peak + 2].any():
+    chain = next(chain for chain in _chains(pair, curve) if peak in chain)
+    at = int(np.flatnonzero(chain == peak)[0])
+    if cusps(pair, model.reference)[chain[max(0, at - 1) : at + 2]].any():
         return
-    ends = np.flatnonzero((curve.nodal_pressure == 0.0) | (curve.chain != curve.chain[peak]))
-    before, after = ends[ends < peak], ends[ends > peak]
-    if not len(before) or not len(after) or not all(_opens(curve, int(k), peak) for k in (before[-1], after[0])):
+    ends = np.flatnonzero(curve.nodal_pressure[chain] == 0.0)
+    before, after = ends[ends < at], ends[ends > at]
+    if not len(before) or not len(after) or not all(curve.gap[chain[[before[-1], after[0]]]] > 0.0):
         return
-    first, last = int(before[-1]) + 1, int(after[0]) - 1
-    nodal, highest = float(curve.nodal_pressure[peak]), float(curve.pressure[first : last + 1].max())
-    if not highest > (1.0 + PEAK) * nodal:
+    pressed = chain[before[-1] + 1 : after[0]]
+    nodal, highest = float(curve.nodal_pressure[peak]), float(curve.pressure[pressed].max())
+    beside = float(curve.nodal_pressure[chain[[at - 1, at + 1]]].sum())
+    high, low = highest / nodal - 1.0, (2.0 * nodal - beside) / (12.0 * nodal)
+    if not max(high, low) > PEAK:
         return
+    told = f"multipliers reach {highest:.4g}, nodal pressures {nodal:.4g}, {high:.0%} apart"
+    if high <= PEAK:
+        told = f"nodal pressures, which reach {nodal:.4g}, are means over its segments, some {low:.0%} below it"
     place = _place(model, np.array([curve.x[peak], curve.y[peak]]))
-    carried = "1 node carries" if first == last else f"{last - first + 1} nodes carry"
+    carried = "1 node carries" if len(pressed) == 1 else f"{len(pressed)} nodes carry"
     yield RunWarning(
-        "few-nodes", highest / nodal - 1.0, PEAK, f"{pair.name}.slave",
-        f"{pair.name}: {carried} the pressure around {place}, too few for its peak: "
-        f"multipliers reach {highest:.4g}, nodal pressures {nodal:.4g}, {highest / nodal - 1.0:.0%} apart "
+        "few-nodes", high if high > PEAK else low, PEAK, f"{pair.name}.slave",
+        f"{pair.name}: {carried} the pressure around {place}, too few for its peak: {told} "
         f"(limit {PEAK:.0%}); take cells of the slave half as long there",
     )  # fmt: skip
 
@@ -199,22 +207,30 @@ def _kept_gaps(model: Model, pairs: list[ContactPair], stored: float) -> Iterato
         )  # fmt: skip
 
 
-def _few_between_open_ones(curve: ContactCurve) -> bool:
-    """Whether no chain is pressed over more than `FEW` nodes, and one of them is open beside those."""
-    open_beside = False
+def _chains(pair: ContactPair, curve: ContactCurve) -> list[Ints]:
+    """Slave nodes of each chain in order; a chain that is closed begins where it is open, if it is so anywhere."""
+    found = []
     for number in np.unique(curve.chain):
         chain = np.flatnonzero(curve.chain == number)
+        still = curve.nodal_pressure[chain] == 0.0
+        still &= np.roll(still, 1)
+        if pair.slave.node_segments[chain[0], 0] >= 0 and still.any():
+            chain = np.roll(chain, -int(still.argmax()))
+        found.append(chain.astype(np.int32))
+    return found
+
+
+def _few_between_open_ones(curve: ContactCurve, chains: list[Ints]) -> bool:
+    """Whether nowhere more than `FEW` nodes in a row are pressed, or fewer apart, and one is open beside those."""
+    open_beside = False
+    for chain in chains:
         pressed = np.flatnonzero(curve.nodal_pressure[chain] > 0.0)
         if len(pressed):
-            if np.ptp(pressed) >= FEW:
+            spots = np.split(pressed, np.flatnonzero(np.diff(pressed) > FEW) + 1)
+            if any(np.ptp(spot) >= FEW for spot in spots):
                 return False
             open_beside |= bool(pressed[0] > 0 or pressed[-1] < len(chain) - 1)
     return open_beside
-
-
-def _opens(curve: ContactCurve, node: int, beside: int) -> bool:
-    """Whether a node belongs to the chain of another one, and is apart from the master."""
-    return bool(curve.chain[node] == curve.chain[beside] and curve.gap[node] > 0.0)
 
 
 def _finer(ratio: float) -> str:

@@ -200,6 +200,31 @@ def test_a_peak_that_too_few_nodes_carry_is_told_with_its_place(cells: int, node
         assert abs(error) < 0.01
 
 
+@pytest.mark.parametrize("algorithm", ["mortar-p1", "mortar-dual"])
+def test_a_disc_in_a_groove_has_two_peaks_that_too_few_nodes_carry_and_no_fit(algorithm: str) -> None:
+    """Its arc is closed, and begins at one of the peaks; facets far apart on it are none of surfaces that fit."""
+    young, radius, weight = 2000.0, 2.0, 20.0
+    deep = radius * np.sqrt(2.0)
+    mass = 1e-9 * np.pi * radius**2
+    scene = Scene.from_data({
+        "integrator": "newton",
+        "materials": {"m": {"use": "linear-elastic", "young": young, "poisson": 0.3, "density": 1e-9}},
+        "bodies": {"disc": {"element": "q1", "material": "m",
+                            "mesh": {"use": "disc", "radius": radius, "cells": [12, 8], "grading": 0.3}}},
+        "rigid": {"groove": {"line": [[6.0, 6.0 - deep], [0.0, -deep], [-6.0, 6.0 - deep]]}},
+        "contacts": [{"slave": "disc.arc", "master": "groove", "algorithm": algorithm}],
+        "supports": [{"on": "disc.top", "ux": 0.0}],
+        "effects": [{"use": "gravity", "acceleration": [0.0, -weight / mass]}],
+        "record": {"frames": 1, "recorders": []},
+    })  # fmt: skip
+    results = simulate(scene)
+    flank = weight * np.sqrt(0.5)
+    right = np.sqrt(flank * young / (1.0 - 0.3**2) / np.pi / radius)  # Hertz
+    error = results.contact["contacts.0"].last.pressure.max() / right - 1.0
+    assert {warning.code for warning in results.warnings} == {"few-nodes"}
+    assert 0.4 * results.warnings[0].value < abs(error) < 2.0 * results.warnings[0].value  # one node knows no width
+
+
 @pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1"])
 def test_quadratic_edges_that_are_covered_in_part_stop_no_run(algorithm: str) -> None:
     """A block drawn along a wider quadratic plate, the slave: forces are exact, pressures reach beyond its edge."""
