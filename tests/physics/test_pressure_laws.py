@@ -84,9 +84,11 @@ def test_two_blocks_press_as_in_the_closed_form(law: str, integrator: str) -> No
     assert not results.summary["warnings"]
 
 
-def test_an_overlap_that_the_law_asks_for_is_no_penetration() -> None:
-    """Springs of 5 MPa/mm in series with the blocks: nine tenths of the push are overlap, a tenth of a segment."""
-    results = done(blocks({"use": "linear-pressure", "stiffness": 5.0}, "newton", **{"supports.0.uy": -0.1}))
+@pytest.mark.parametrize("cells", [2, 16])
+def test_an_overlap_that_the_law_asks_for_is_no_penetration(cells: int) -> None:
+    """Springs of 5 MPa/mm in series with the blocks: nine tenths of the push are overlap, up to 0.8 of a segment."""
+    given: dict[str, Any] = {f"bodies.{body}.mesh.cells": [cells, 1] for body in ("upper", "lower")}
+    results = done(blocks({"use": "linear-pressure", "stiffness": 5.0}, "newton", **{"supports.0.uy": -0.1} | given))
     force = 0.1 * WIDTH / (2.0 * HEIGHT / E + 1.0 / 5.0)
     assert results.summary["reactions"]["upper.top"][1] == pytest.approx(-force, rel=1e-7)
     assert not results.summary["warnings"]

@@ -122,7 +122,8 @@ class ContactGuard:
         moved = 2.0 * np.sqrt(2.0) * float(np.abs(position - self.before).max())  # of two nodes, along both axes
         if moved <= (FAR_SIDE - TOO_DEEP) * min(pair.size for pair in self.pairs):
             return
-        passage = first_passage(self.pairs, self.before, position, TOO_DEEP)
+        deep = TOO_DEEP + max(self._asked_for(pair) / pair.size for pair in self.pairs)
+        passage = first_passage(self.pairs, self.before, position, deep)
         if passage is not None:
             x, y = position[passage.node]
             stop(
@@ -160,7 +161,7 @@ class ContactGuard:
                 position[pair.slave.nodes], pair.slave.segments, position[pair.master.nodes], pair.master.segments,
                 near.start, near.master, FAR_SIDE * pair.size,
             )  # fmt: skip
-            if depth > TOO_DEEP * pair.size:
+            if depth > TOO_DEEP * pair.size + self._asked_for(pair):
                 surface = (pair.slave, pair.master)[side]
                 stop(
                     self.model,
@@ -169,6 +170,13 @@ class ContactGuard:
                     f"a segment (allowed {TOO_DEEP:.0%})",
                     f"try the other side as slave, a finer slave, or {self.shorter}",
                 )
+
+    def _asked_for(self, pair: ContactPair) -> float:
+        """Deepest overlap [mm] that a pressure law of the scene asks for: a foundation gives way by its pressure."""
+        if not hasattr(self.model.contact.enforcement, "law"):  # type: ignore[union-attr]
+            return 0.0
+        gaps = pair.snapshot(self.model.state, self.model.position).gaps
+        return max(0.0, -float(gaps[self.forces[pair.own] > 0.0].min(initial=0.0)))
 
 
 def _unheld(model: Model, pairs: tuple[ContactPair, ...]) -> tuple[tuple[Body, tuple[ContactPair, ...]], ...]:
