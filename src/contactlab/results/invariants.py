@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 ROUND = 1e-6  # of the largest: what tolerances of solvers and sums over many steps leave
 NO_STRAIN = 1e-7  # whose energy counts as none: that of smaller ones is round-off of load steps
+GIVES = 1e-8  # segments: a pull that moves surfaces by less is none; of slender bodies it may be 1e-4 of the force
 EXACT = 1e-9  # of the largest: sums that are zero by construction
 UNLIKE = 0.01  # of the sum of magnitudes: what two half passes may differ by, as the pressures of the finest discs do
 STEPWISE = 0.02  # load steps: work between two of them is a trapezoid; steps that follow their loads keep 1e-3
@@ -203,7 +204,8 @@ def _contact(model: Model, pair: ContactPair, report: ContactReport, scale: floa
     curve, largest, sharp = report.curve, report.largest, cusps(pair, model.reference)
     pull = report.cone_violation * largest / max(largest, scale)
     yield Invariant(
-        "pull of a contact node over the largest push", "contact-pull", pair.name, pull, max(ROUND, pair.lagged),
+        "pull of a contact node over the largest push", "contact-pull", pair.name, pull,
+        max(ROUND, pair.lagged, _unresolved(model, pair) / max(largest, scale)),
         "nodal forces push and friction keeps its bound, but for residuals, of potentials those of lagged friction",
     )  # fmt: skip
     if not largest > ROUND * scale:
@@ -229,6 +231,15 @@ def _contact(model: Model, pair: ContactPair, report: ContactReport, scale: floa
             "saw-tooth of the shear", "shear-saw", pair.name, teeth, SHEAR_SAW,
             "a shear that alternates from node to node where all stick or all slip is none of the bodies'",
         )  # fmt: skip
+
+
+def _unresolved(model: Model, pair: ContactPair) -> float:
+    """Force [N] by which steps that iterate cannot tell whether a condition is closed."""
+    conditions = getattr(model.contact, "conditions", None)
+    if conditions is None:
+        return 0.0
+    own = conditions.present[pair.own]
+    return GIVES * float((conditions.stiffness * conditions.size)[pair.own][own].max(initial=0.0))
 
 
 def _creep(pair: ContactPair, report: ContactReport) -> Iterator[Invariant]:
