@@ -202,10 +202,9 @@ def _symmetry(model: Model) -> Iterator[Invariant]:
 def _contact(model: Model, pair: ContactPair, report: ContactReport, scale: float) -> Iterator[Invariant]:
     """What holds of one contact; `scale` [N] is the largest force of the run."""
     curve, largest, sharp = report.curve, report.largest, cusps(pair, model.reference)
-    pull = report.cone_violation * largest / max(largest, scale)
+    pull = max(0.0, report.cone_violation * largest - _unresolved(model, pair)) / max(largest, scale)
     yield Invariant(
-        "pull of a contact node over the largest push", "contact-pull", pair.name, pull,
-        max(ROUND, pair.lagged, _unresolved(model, pair) / max(largest, scale)),
+        "pull of a contact node over the largest push", "contact-pull", pair.name, pull, max(ROUND, pair.lagged),
         "nodal forces push and friction keeps its bound, but for residuals, of potentials those of lagged friction",
     )  # fmt: skip
     if not largest > ROUND * scale:
