@@ -237,8 +237,8 @@ def _unresolved(model: Model, pair: ContactPair) -> float:
     conditions = getattr(model.contact, "conditions", None)
     if conditions is None:
         return 0.0
-    own = conditions.present[pair.own]
-    return GIVES * float((conditions.stiffness * conditions.size)[pair.own][own].max(initial=0.0))
+    own = np.flatnonzero(conditions.present[pair.own]) + pair.own.start
+    return GIVES * float((conditions.stiffness[own] * conditions.size[own]).max(initial=0.0))
 
 
 def _creep(pair: ContactPair, report: ContactReport) -> Iterator[Invariant]:
