@@ -107,6 +107,8 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {name: (name, {}) for name in dif
     "static": ("disc-on-block", STATIC),
 }
 BRANCHES = {
+    "contactlab.kernels.contact.corners.take_row",
+    "contactlab.kernels.contact.corners.touches",
     "contactlab.kernels.contact.banded_rows.own_nodes",
     "contactlab.kernels.contact.banded_rows.solved",
     "contactlab.kernels.checks.deepest",

@@ -20,7 +20,9 @@ from contactlab.model.held_arrays import held_arrays
 from contactlab.parts.registry import default_registry
 from contactlab.scene.scene import Scene, load_scene
 
-TANGENTIAL = re.compile(r"contact\.(rows\.(tangent_weight|slip|bound)|pairs\.\d+\.sliding\.(bound|before|began\..*))")
+TANGENTIAL = re.compile(
+    r"contact\.(rows\.(tangent_weight|slip|bound)|pairs\.\d+\.(points\.)?sliding\.(bound|before|began\..*))"
+)
 COULOMB = {"contacts.0.friction": {"use": "coulomb", "mu": 0.2}}
 PLASTIC = {"materials.soft": {"use": "linear-hardening", "young": 7000.0, "poisson": 0.3, "density": 2.7e-9,
                               "yield_stress": 100.0, "hardening": 50.0}}  # fmt: skip
@@ -58,7 +60,7 @@ def test_frictionless_elastic_scene_lists_nothing_tangential_and_no_history() ->
     assert tangential(listed) == set()
     assert [name for name in listed if "history" in name] == []
     multipliers = next(array for array in found.arrays if array.name == "state.multipliers")
-    assert multipliers.shape == "1 x 25"  # one row: normal forces alone
+    assert multipliers.shape == "1 x 62"  # one row: normal forces alone, of 25 nodes of the arc, and 37 of the block
     assert declared(scene()) | {"friction": False, "material history": False, "contact": True} == declared(scene())
 
 

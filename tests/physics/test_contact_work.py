@@ -78,7 +78,7 @@ def test_conditions_that_come_finished_have_closing_and_the_step_alone() -> None
     (pair,) = split.pairs
     assert isinstance(pair, OperatorSplit)
     finished = PairSplit(pair.pair, model.reference)
-    y = model.state["multipliers"][0]
+    y = model.state["multipliers"][0, pair.pair.own]
     before, reached = split.position
     memory = np.zeros((0, 0))
     whole, apart = (each.parts(y, (before, memory), (reached, memory)) for each in (finished, pair))

@@ -1,4 +1,4 @@
-"""Mortar contact of a slave that slides over a corner of the master: what its forces add up to is told."""
+"""Mortar contact of a slave that slides over a corner of the master: it is held there, and else told."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import contactlab
+from contactlab.model.contact import plan
 from contactlab.results.results import Results
 from contactlab.scene.scene import Scene
 
@@ -18,17 +19,22 @@ def slid(**changes: object) -> Results:
     return results
 
 
-def test_a_corner_that_holds_up_a_mortar_is_told_with_the_side_to_exchange() -> None:
-    """The slider presses with 4 N and tips: exchanged, forces stay at that; over the corner they are twice as large."""
-    leaning, right = slid(), slid(**{"contacts.0.swap": True})
+def test_a_mortar_is_held_at_a_corner_and_else_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The slider presses with 4 N and tips, with either side as slave.
+
+    With mean gaps alone, as over corners that are none by the rule, forces are twice as large, and the run says so.
+    """
+    held, right = slid(), slid(**{"contacts.0.swap": True})
+    assert held.warnings == right.warnings == []
+    monkeypatch.setattr(plan, "corners_of", lambda *_: np.zeros(0, np.int32))
+    leaning = slid()
     (warning,) = leaning.warnings
     assert (warning.code, warning.key) == ("leaning-forces", "contacts.0.swap")
     assert "near (10" in warning.text  # the edge of the base
-    assert right.warnings == []
-    largest = [np.abs(results.history["contacts.0.fy"]).max() for results in (leaning, right)]
-    # 5 %: vibrations of the block when it is put down
-    assert largest[1] == pytest.approx(4.0, rel=0.06)
-    assert largest[0] > 1.5 * largest[1]
+    largest = [np.abs(results.history["contacts.0.fy"]).max() for results in (held, right, leaning)]
+    # 8 %: vibrations of the block when it is put down, 5 %, and as it tips
+    assert largest[:2] == pytest.approx([4.0, 4.0], rel=0.08)
+    assert largest[2] > 1.5 * largest[1]
 
 
 def test_a_master_of_two_bodies_is_no_corner() -> None:

@@ -10,8 +10,6 @@ from contactlab.scene.scene import bundled_scenes, load_scene
 MEANT = {
     # the closed form of a bouncing bar is that of a linear one, at strains that rubber would not stand linearly
     "bouncing-bar": {"finite-strain"},
-    # the slave leaves over an edge of the master, as the case asks; the base as slave has no such forces
-    "corner-slide": {"leaning-forces"},
     # bounces bend a disc of few cells, which q1 is 6 % too stiff for: its energy is what the scene is about
     "disc-in-box": {"locking"},
     # the load of a corner on a corner is a point's; pressed on a plane by as much, q1 is 13 % stiffer than q2

@@ -27,8 +27,8 @@ class ConsistentContactSystem(ContactSystem):
 
     def __init__(self, pairs: tuple[ContactPair, ...], enforcement: ExplicitEnforcement, state: State) -> None:
         super().__init__(pairs, enforcement, state)
-        known, self.ends = with_ends(pairs), None
-        if enforcement.factored and len(known) == len(pairs):
+        known, self.ends = with_ends(self.factorable), None
+        if enforcement.factored and len(known) == len(self.factorable):
             self.ends = ModelGradients(known, len(state["displacement"]))
         columns = FactoredRows.allocate(len(self.rows.gap), 8 * len(self.rows.gap)) if _closest(self) else None
         self.columns, self.offset = columns, np.zeros(len(self.rows.gap))
@@ -54,12 +54,15 @@ class ConsistentContactSystem(ContactSystem):
             pair.update(current, memory)
 
     def _solve_factored(self, *where: Floats) -> Solve | None:
+        if self._at_corners():
+            return None
         return self._solve_by_ends(*where) or self._solve_by_columns(*where)
 
     def _solve_by_ends(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve | None:
         """By rows before their coupling is inverted; None where that cannot be."""
         ends, self.rows.count = self.ends, 0
-        if ends is None or not ends.assemble(self.memories):
+        memories = [m for m, pair in zip(self.memories, self.passes, strict=True) if not pair.at_corners]
+        if ends is None or not ends.assemble(memories):
             return None
         self.factored = ends.rows.factors
         ends.allow_motion(predicted, current, self.velocity, self.state.last_dt)

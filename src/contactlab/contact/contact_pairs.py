@@ -8,6 +8,7 @@ import numpy as np
 
 from contactlab.api import ContactAlgorithm, ContactMethod, Floats, FrictionLaw, GapAlgorithm, Potential, Surface
 from contactlab.api.arrays import Flags
+from contactlab.contact.corner_pair import CornerPair, CornerPoints
 from contactlab.contact.gap_pair import GapPair
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair
@@ -35,6 +36,8 @@ def contact_pair(
 
         ones = np.ones(len(reference))
         return PotentialPair(name, algorithm, sides, reference, first_slot, friction, behind or (ones, ones))
+    if isinstance(algorithm, CornerPoints):
+        return CornerPair(name, algorithm, *sides, reference, first_slot, friction)
     if isinstance(algorithm, GapAlgorithm):
         return GapPair(name, algorithm, *sides, reference, first_slot, friction)
     assert isinstance(algorithm, ContactAlgorithm)
@@ -56,10 +59,14 @@ def linearised(pair: ContactPair, nodes: int, consistent: bool = False, in_time:
 
     consistent  whether normal forces act along the derivatives of the gaps; in_time: by rows of a whole step
     """
-    if isinstance(pair, GapPair):
+    if isinstance(pair, CornerPair):
+        from contactlab.contact.corner_linearisation import CornerLinearisation
+
+        found: Linearisation = CornerLinearisation(pair, nodes)
+    elif isinstance(pair, GapPair):
         from contactlab.contact.gap_linearisation import GapLinearisation
 
-        found: Linearisation = GapLinearisation(pair, nodes)
+        found = GapLinearisation(pair, nodes)
     elif pair.half:
         from contactlab.contact.half_passes import HalfPassLinearisation
 
@@ -69,6 +76,10 @@ def linearised(pair: ContactPair, nodes: int, consistent: bool = False, in_time:
 
         kind = ConsistentLinearisation if consistent and not in_time else PairLinearisation
         found = kind(cast("OperatorPair", pair), nodes)
+        if found.pair.corners is not None:
+            from contactlab.contact.taken_linearisation import TakenLinearisation
+
+            found = TakenLinearisation(found, found.pair.corners)
     if in_time:
         from contactlab.contact.step_rows import StepRows
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from contactlab.errors import WrongAnswer
 from contactlab.kernels.contact.rows import extrapolate, tangential_work
 
 if TYPE_CHECKING:
+    from contactlab.contact.corner_pair import CornerPair
     from contactlab.contact.work_split import WorkSplit
 
 MARGIN = 0.1  # segment lengths: conditions farther open than this cannot close within a step
@@ -44,7 +45,10 @@ class ContactSystem:
         self.margin = MARGIN * min(pair.size for pair in pairs)
         self.rows = allocate_rows(sum(pair.slots for pair in pairs), 64, self.friction)
         self.factored: FactoredRows | None = None
-        if enforcement.factored and not self.friction and all(pair.factored for pair in pairs):
+        self.factorable = tuple(pair for pair in pairs if not pair.at_corners)
+        points = [cast("CornerPair", pair) for pair in pairs if pair.at_corners]
+        self.cornered = [(pair.corners, pair) for pair in points]
+        if enforcement.factored and not self.friction and all(pair.factored for pair in self.factorable):
             self.factored = FactoredRows.allocate(len(self.rows.gap), 8 * len(self.rows.gap))
         self.last, self.compliance = Solve(0, 0.0, 0, 0.0), np.zeros_like(state["displacement"])
         self.seconds = self.solution_s = 0.0
@@ -147,9 +151,16 @@ class ContactSystem:
         where = predicted, current, compliance, force
         return self._solve_factored(*where) or self._solve_full(*where)
 
+    def _at_corners(self) -> bool:
+        """Whether conditions are taken at corners, or points there can close: these have no factored rows."""
+        return any(
+            corners.moved or (not points.idle and points.gaps[:, 0].min() <= self.margin)
+            for corners, points in self.cornered
+        )
+
     def _solve_factored(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve | None:
         """By rows before their coupling is inverted; None where that cannot be."""
-        if self.factored is None:
+        if self.factored is None or self._at_corners():
             return None
         rows, began = self._assemble_factored(current, predicted), perf_counter()
         done = self.enforcement.solve_factored(rows, compliance, self.multipliers, force)
@@ -176,7 +187,7 @@ class ContactSystem:
         self.rows.count = 0
         while True:
             self.factored.count = 0
-            for pair in self.passes:
+            for pair in self.factorable:
                 if not pair.append_factored(self.factored):
                     break
             else:
@@ -186,7 +197,9 @@ class ContactSystem:
     def _assemble(self, margin: float, current: Floats, predicted: Floats) -> None:
         while True:
             self.rows.count = entries = 0
-            for number in range(len(self.passes)):
+            for number, pair in enumerate(self.passes):
+                if pair.idle:
+                    continue
                 entries = self._append(number, entries, margin, current, predicted)
                 if entries < 0:
                     break

@@ -42,7 +42,8 @@ class PairGradients:
         pair, found = self.pair, self.found(memory)
         if found is not self.bound_of:
             self._bind(found)
-        first, margin = out.count, FAR if pair.everywhere else min(margin, FAR)
+        taken = pair.corners is not None and pair.corners.moved
+        first, margin = out.count, FAR if pair.everywhere or taken else min(margin, FAR)
         used = pair.count, found.count, found.normal_count
         count, end = gap_gradients.write_rows(
             pair.address, self.bound.address, used, margin, multipliers, pair.first_slot,
@@ -56,7 +57,7 @@ class PairGradients:
             else:
                 pair.write_bounds(out, first, count)
         out.count = count
-        return int(end)
+        return pair.corners.take_rows(out, first, int(end)) if pair.corners is not None else int(end)
 
     def found(self, memory: Floats) -> GapGradients:
         """Derivatives of the last update: those that the algorithm gives, or what its derivatives lead to."""

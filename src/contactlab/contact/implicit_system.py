@@ -259,6 +259,8 @@ class ImplicitContactSystem:
         parts = [ContactDerivatives(none, None, none, None, csr_array((size, size)))] if not self.linear else []
         for linear in self.linear:
             own = linear.pair.own
+            if linear.pair.idle:
+                continue
             parts.append(linear.linearise(_within(own, chosen), force[:, own]))
         total = parts[0].force
         for part in parts[1:]:

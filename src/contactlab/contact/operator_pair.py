@@ -6,14 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.api import ContactAlgorithm, FactoredRows, Floats, FrictionLaw, Ints, Pieces, Rows, Surface
+from contactlab.api import ContactAlgorithm, FactoredRows, Floats, FrictionLaw, Ints, Pieces, Rows, State, Surface
 from contactlab.api.arrays import Flags
 from contactlab.api.compiled.bound_arrays import BoundArrays
 from contactlab.api.surface import SurfacePositions
+from contactlab.contact.corner_report import with_corners
+from contactlab.contact.corners import Corners
 from contactlab.contact.coupling import Coupling
 from contactlab.contact.examination import copies, refuse_written
 from contactlab.contact.near_list import SKIN, Near
-from contactlab.contact.pair import ContactPair
+from contactlab.contact.pair import ContactPair, ContactSnapshot
 from contactlab.errors import SceneError, WrongAnswer
 from contactlab.kernels.contact import banded_rows, rows
 from contactlab.kernels.contact import pair as kernels
@@ -30,6 +32,7 @@ class OperatorPair(ContactPair):
     pieces      their arrays, `count` of them in use
     coupling    the factorised T of the last `update`, columns those of D and M
     separation  (k, 2) [mm] weighted positions of the slave minus those of the master, where they were last measured
+    corners     corners of the master that it is held at; None without any
     measured    positions of the nodes of both sides, where gaps are measured
     """
 
@@ -57,6 +60,7 @@ class OperatorPair(ContactPair):
         self.pieces = Pieces.allocate(0, self.widths, k)
         self.columns = BothSides(BandedRows.allocate(k, 8), BandedRows.allocate(k, 8))
         self._weights = BothSides(BandedRows.allocate(k, 8), BandedRows.allocate(k, 64))
+        self.corners: Corners | None = None
         self._solved, self._unchecked = False, True
         self._bind()
 
@@ -109,6 +113,8 @@ class OperatorPair(ContactPair):
             self.smooth.update(memory)
             self.smooth.add(self.measured, self.gaps)
         self._take_start_gaps(self.gaps)
+        if self.corners is not None:
+            self.corners.update()
 
     def _join(self) -> None:
         """Coupling, columns (widened as needed) and gaps of the pieces."""
@@ -141,6 +147,8 @@ class OperatorPair(ContactPair):
         self.separations(at, self.normals, separation, gaps)
         if self.smooth is not None:
             self.smooth.add(at, gaps)
+        if self.corners is not None:
+            self.corners.take(gaps)
         return gaps
 
     def separations(self, at: SurfacePositions, normals: Floats, separation: Floats, gaps: Floats) -> None:
@@ -190,7 +198,9 @@ class OperatorPair(ContactPair):
         """Append rows with a gap below `margin` [mm] or a force to `out`."""
         if self.everywhere:
             margin = FAR
-        first = out.count
+        first, taken = out.count, self.corners is not None and self.corners.moved
+        if taken:
+            margin = FAR
         self.weights()
         count, end = rows.write_rows(
             self.address, min(margin, FAR), multipliers, self.first_slot, first, entries, out.packed.address
@@ -199,13 +209,20 @@ class OperatorPair(ContactPair):
             return -1
         self._append_slips(out, first, count, current)
         out.count = count
-        return int(end)
+        return self.corners.take_rows(out, first, int(end)) if self.corners is not None else int(end)
 
     # --- from multipliers to pressures ----------------------------------------------------------
 
     def tractions(self, forces: Floats) -> Floats:
         """Lambda (k,) [MPa] from nodal forces y (k,) [N]: T^-1 y, the owner's value where merged, 0 off cover."""
         return self.coupling.solve(forces)
+
+    def snapshot(self, state: State, position: Floats) -> ContactSnapshot:
+        """As of every pair, with forces at nodes from those at corners of the master."""
+        seen = super().snapshot(state, position)
+        if self.corners is None or not self.corners.touching:
+            return seen
+        return with_corners(self, seen, state["multipliers"])
 
 
 def _widths(algorithm: ContactAlgorithm, slave: Surface, master: Surface) -> tuple[int, int, int]:

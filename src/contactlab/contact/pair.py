@@ -83,7 +83,8 @@ class ContactPair(ABC):
     smooth     curves that gaps are measured between; None where they are measured between segments
     sliding    what friction needs; None without
     half       whether forces act on the slave alone, as another pass has the sides exchanged
-    second     whether it is that other pass: no report shows it
+    second     whether it is that other pass, or one of points at corners: no report shows it
+    points     the pair of points at corners of the master, whose forces are reported with those of this one
     evaluated  whether the conditions are those of the last accepted step
     search_s   wall time [s] spent on near lists
     """
@@ -94,6 +95,10 @@ class ContactPair(ABC):
 
     factored: ClassVar[bool] = False
     """Whether conditions can be given as `FactoredRows`."""
+    at_corners: ClassVar[bool] = False
+    """Whether its conditions are points at corners, beside those of another pair."""
+    idle: bool = False
+    """Whether it has no conditions, and asks for none."""
     by_energy: ClassVar[bool] = False
     """Whether forces come from a `Potential`, without conditions."""
     clearance: float = 0.0
@@ -123,6 +128,7 @@ class ContactPair(ABC):
         self.smooth: SmoothSurfaces | None = None
         self.sliding = sliding_of(friction, self.slots, self.at)
         self.half = self.second = self.evaluated = False
+        self.points: ContactPair | None = None
         self._view: ContactView | None = None
         self.search_s = 0.0
 
@@ -140,6 +146,11 @@ class ContactPair(ABC):
     def own(self) -> slice:
         """Which of the model's multipliers are this pair's."""
         return slice(self.first_slot, self.first_slot + self.slots)
+
+    @property
+    def all_own(self) -> slice:
+        """The same with those of its points at corners, which follow."""
+        return slice(self.first_slot, self.own.stop if self.points is None else self.points.own.stop)
 
     @property
     def everywhere(self) -> bool:

@@ -36,7 +36,8 @@ class ContactGuard:
 
     def __init__(self, model: Model, shorter: str) -> None:
         self.model, self.shorter = model, shorter
-        self.pairs: tuple[ContactPair, ...] = tuple(model.contact.passes) if model.contact is not None else ()
+        passes: tuple[ContactPair, ...] = tuple(model.contact.passes) if model.contact is not None else ()
+        self.pairs = tuple(pair for pair in passes if not pair.at_corners)
         self.forces = model.state["multipliers"][0] if self.pairs else np.zeros(0)
         self.pressed = np.zeros(len(self.forces), np.bool_)
         self.closed = self.pressed.copy()

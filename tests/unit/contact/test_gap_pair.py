@@ -116,9 +116,8 @@ def test_both_roads_lead_to_the_same_run(registry: Registry, friction: bool) -> 
         advance = model.bound_integrator().step
         for _ in range(20):
             advance(2e-6)
-        found.append(
-            (model.state["displacement"].copy(), model.state["multipliers"].copy(), model.state["work"].copy())
-        )
+        multipliers = model.state["multipliers"][:, model.contact.pairs[0].own]
+        found.append((model.state["displacement"].copy(), multipliers.copy(), model.state["work"].copy()))
     assert isinstance(model.contact.pairs[0], GapPair)
     assert np.abs(found[0][1][0]).max() > 1.0
     for one, two in zip(*found, strict=True):

@@ -452,7 +452,7 @@ def test_loose_steps_must_follow_each_other() -> None:
 def test_chatter_is_more_than_three_in_ten_conditions(changing: int) -> None:
     """One of five is none, however long it lasts; two are, after a hundred steps."""
     model = model_of()
-    guards, multipliers = Guards(model), model.state["multipliers"][0]
+    guards, multipliers = Guards(model), model.state["multipliers"][0, model.contact.pairs[0].own]
     for number in range(CHATTER):
         multipliers[:] = 1.0
         multipliers[:changing] = float(number % 2)

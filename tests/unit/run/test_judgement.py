@@ -350,7 +350,7 @@ def test_forces_that_are_round_off_are_not_judged() -> None:
     """A pressure that alternates is warned of, but not if the run had forces that are 1e17 times as large."""
     fine = {"bodies.upper.mesh.cells": [8, 2], "bodies.lower.mesh.cells": [8, 2]}
     model = build(pressed(0.12).with_(fine), default_registry())
-    model.state["multipliers"][0] = 1.0 + 0.5 * (-1.0) ** np.arange(9)
+    model.state["multipliers"][0, :9] = 1.0 + 0.5 * (-1.0) ** np.arange(9)
     sample = take_sample(model, 0, 1.0)
     judgement.judge(model, sample, np.ones(9, np.bool_), 1e17)
     assert not list(model.warnings)

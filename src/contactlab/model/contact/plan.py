@@ -19,12 +19,16 @@ from contactlab.api import (
     Ints,
     NormalLaw,
     Potential,
+    SegmentContact,
     State,
     Surface,
 )
 from contactlab.api.arrays import Flags
 from contactlab.contact.contact_pairs import contact_pair
+from contactlab.contact.corner_pair import CornerPair, CornerPoints
+from contactlab.contact.corners import Corners, corners_of
 from contactlab.contact.explicit_system import ContactSystem
+from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair, start_distances
 from contactlab.contact.sliding import rows_of
 from contactlab.contact.start_gaps import ZeroStart
@@ -53,7 +57,8 @@ class ContactPlan:
     smooth  whether gaps are those between curves through the nodes
     opened [mm] by how much surfaces that touched were opened, for a potential that needs room
     exchanged  slave and master of the pass in which the sides are exchanged, of two half passes; () of one pass
-    second  whether this is that pass
+    second  whether this is that pass, or one of points at corners
+    corners  (c,) nodes of the master that are corners, of a mortar that is held at them
     """
 
     name: str
@@ -72,6 +77,7 @@ class ContactPlan:
     opened: float = 0.0
     exchanged: tuple[Surface, ...] = ()
     second: bool = False
+    corners: Ints | None = None
 
     @property
     def slots(self) -> int:
@@ -91,7 +97,7 @@ class ContactPlan:
 
 
 def all_passes(plans: tuple[ContactPlan, ...]) -> tuple[ContactPlan, ...]:
-    """The contacts, and after them the second ones of two half passes."""
+    """The contacts, each followed by its points at corners, and after them the second ones of two half passes."""
     second = [
         replace(
             p, name=f"{p.name}.exchanged", slave=p.exchanged[0], master=p.exchanged[1], sides=p.sides[::-1], second=True
@@ -99,7 +105,18 @@ def all_passes(plans: tuple[ContactPlan, ...]) -> tuple[ContactPlan, ...]:
         for p in plans
         if p.exchanged
     ]
-    return (*plans, *second)
+    return (*(one for plan in plans for one in (plan, *_points(plan))), *second)
+
+
+def _points(plan: ContactPlan) -> tuple[ContactPlan, ...]:
+    """The pass of points at corners of the master, if there are any."""
+    if plan.corners is None:
+        return ()
+    points = replace(
+        plan, name=f"{plan.name}.corners", algorithm=CornerPoints(), slave=plan.master, master=plan.slave,
+        sides=plan.sides[::-1], second=True,
+    )  # fmt: skip
+    return (points,)
 
 
 def by_energy(plan: ContactPlan) -> bool:
@@ -200,7 +217,16 @@ def _plan(
         explicit,
         spec.smooth,
         exchanged=exchanged,
+        corners=_corners(algorithm, enforcement, sides[1], positions) if not spec.smooth else None,
     )
+
+
+def _corners(algorithm: ContactMethod, enforcement: Enforcement, master: Surface, positions: Floats) -> Ints | None:
+    """Corners of the master, for mortars with multipliers."""
+    if not isinstance(algorithm, SegmentContact) or isinstance(enforcement, NormalLaw):
+        return None
+    found = corners_of(master, positions)
+    return found if len(found) else None
 
 
 def _surface(
@@ -282,8 +308,13 @@ def build_contact(
     explicit = plans[0].explicit
     # steps that iterate look for a state at their end, explicit ones go on from where they are
     time = state["clock"] if explicit else np.zeros(1)
-    pairs, first = [], 0
+    pairs: list[ContactPair] = []
+    first = 0
     for plan in plans:
+        if isinstance(plan.algorithm, CornerPoints):
+            pairs.append(_points_beside(pairs[-1], plan, reference, first, immobile))
+            first += plan.slots
+            continue
         if not plan.second:
             refuse_held_slave(plan.slave, immobile, plan.sides[0], plan.where)
         behind = what_lies_behind(plan, bodies, reference) if by_energy(plan) else None
@@ -314,6 +345,17 @@ def build_contact(
     from contactlab.contact.consistent_system import ConsistentContactSystem
 
     return ConsistentContactSystem(tuple(pairs), enforcement, state)
+
+
+def _points_beside(
+    pair: ContactPair, plan: ContactPlan, reference: Floats, first_slot: int, immobile: Flags
+) -> ContactPair:
+    """The pair of points at corners of the master of a pair, which is held at them."""
+    assert isinstance(pair, OperatorPair)
+    assert plan.corners is not None
+    pair.points = points = cast("CornerPair", plan.pair(reference, first_slot, immobile))
+    pair.corners = points.corners = Corners(pair, plan.corners)
+    return points
 
 
 def _pressure_system(

@@ -1,0 +1,62 @@
+"""Forces at corners of the master, reported by the slave's nodes at their segments."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+
+from contactlab.api import Floats
+from contactlab.contact.pair import ContactSnapshot, tangents
+from contactlab.kernels.contact.factored_rows import FAR
+
+if TYPE_CHECKING:
+    from contactlab.contact.corner_pair import CornerPair
+    from contactlab.contact.operator_pair import OperatorPair
+
+
+def with_corners(pair: OperatorPair, seen: ContactSnapshot, multipliers: Floats) -> ContactSnapshot:
+    """The snapshot of a mortar's pair with forces at its nodes, among them those at corners.
+
+    The resultant is that of all forces. Forces of points, and those taken at corners from which tractions would change
+    their signs, are no tractions of the basis: each node has its share of them, over the length that it stands for.
+    """
+    corners = pair.corners
+    assert corners is not None
+    forces = corners.at_nodes(seen.forces)
+    tractions = np.stack([pair.tractions(force) for force in forces])
+    pointed = corners.at_nodes(np.zeros_like(forces))
+    taken = [k for moved in corners.moved for k in (moved.slot, moved.partner)]
+    if len(taken) and tractions[0, taken].min() < 0.0:
+        spread = seen.forces.copy()
+        spread[:, [moved.slot for moved in corners.moved]] = 0.0
+        tractions, pointed = np.stack([pair.tractions(force) for force in spread]), forces - spread
+    normals, gaps, cover = seen.normals, seen.gaps, seen.cover
+    given, gap = _of_points(pair, multipliers, len(gaps))
+    nodes = np.flatnonzero(given.any(axis=(0, 2)))
+    if len(nodes):
+        along = forces[0, nodes, None] * normals[nodes] + given[0, nodes]
+        total = along + forces[1, nodes, None] * tangents(normals[nodes]) + given[1, nodes]
+        gaps[nodes] = np.where((forces[0, nodes] > 0.0) & (gaps[nodes] < FAR), gaps[nodes], gap[nodes])
+        normals[nodes] = along / np.hypot(*along.T)[:, None]
+        before = forces[:, nodes].copy()
+        forces[0, nodes] = (total * normals[nodes]).sum(axis=1)
+        forces[1, nodes] = (total * tangents(normals[nodes])).sum(axis=1)
+        pointed[:, nodes] += forces[:, nodes] - before
+    bears = pointed.any(axis=0)
+    cover[bears] = np.where(cover[bears] > 0.0, cover[bears], pair.full[bears])
+    tractions[:, bears] += pointed[:, bears] / cover[bears]
+    return ContactSnapshot(seen.at, gaps, normals, cover, forces, tractions)
+
+
+def _of_points(pair: OperatorPair, multipliers: Floats, slots: int) -> tuple[Floats, Floats]:
+    """Normal and tangential forces (2, k, 2) [N] of points on nodes of the slave, and gaps (k,) [mm] of the points."""
+    points, given, gap = cast("CornerPair", pair.points), np.zeros((2, slots, 2)), np.zeros(slots)
+    known = multipliers[:, points.own]
+    for touch in points.touched:
+        nodes = pair.slave.segments[touch.segment]
+        # against the normal and the tangent of the point, whose slave is the master here
+        for part, direction in enumerate((-touch.outward, touch.along)[: len(known)]):
+            given[part, nodes] += known[part, touch.corner] * np.outer((1.0 - touch.xi, touch.xi), direction)
+        gap[nodes] = points.gaps[touch.corner, 0]
+    return given, gap

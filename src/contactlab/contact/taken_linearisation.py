@@ -1,0 +1,114 @@
+"""Conditions of a mortar that are taken at corners of the master, for implicit integrators (`contact.corners`)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy.sparse import coo_array
+
+from contactlab.api import ContactDerivatives, Floats, Ints
+from contactlab.contact.corners import Corners
+from contactlab.contact.linearisation import ConsistentLinearisation, Linearisation, PairLinearisation
+
+
+class TakenLinearisation(Linearisation):
+    """As another linearisation of a pair, with conditions of nodes beyond corners taken at the corners."""
+
+    def __init__(self, linear: PairLinearisation, corners: Corners) -> None:
+        self.linear, self.corners = linear, corners
+        self.pair, self.size, self.memory = linear.pair, linear.size, linear.memory
+        self.present, self.gap, self.slip = linear.present, linear.gap, linear.slip
+
+    def evaluate(self, position: Floats, start: Floats) -> None:
+        """Those of the pair, whose gaps are taken at the corners already; and slips."""
+        self.corners.start = start[self.pair.slave.nodes]
+        self.linear.evaluate(position, start)
+        if len(self.slip):
+            self.corners.take(self.slip[:, None])
+
+    def flexibilities(self, nodal: Floats) -> Floats:
+        """Those at the nodes."""
+        return self.linear.flexibilities(nodal)
+
+    def add_forces(self, multipliers: Floats, normal: Floats, tangential: Floats) -> None:
+        """Forces at the nodes, and what gaps change as corners slide along their segments."""
+        own = self.pair.own
+        at_nodes = multipliers.copy()
+        at_nodes[:, own] = self.corners.at_nodes(multipliers[:, own])
+        self.linear.add_forces(at_nodes, normal, tangential)
+        if isinstance(self.linear, ConsistentLinearisation):
+            for moved in self.corners.moved:
+                change = self.corners.change(moved, self.gap)
+                np.add.at(normal, moved.nodes, multipliers[0, own][moved.slot] * change * moved.rates)
+
+    def linearise(self, chosen: Ints, y: Floats) -> ContactDerivatives:
+        """Shares of both conditions, and what changes with the shares."""
+        if not self.corners.moved:
+            return self.linear.linearise(chosen, y)
+        more, pick = self._with_partners(chosen)
+        found = self.linear.linearise(more, self.corners.at_nodes(y))
+        normal, gap, force = pick @ found.normal, pick @ found.gap + self._by_shares(chosen, self.gap), found.force
+        if isinstance(self.linear, ConsistentLinearisation):
+            normal = gap
+        tangent = slip = None
+        if found.tangent is not None:
+            tangent, slip = pick @ found.tangent, pick @ found.slip + self._by_shares(chosen, self.slip)
+        if force is not None:
+            force = force + self._force_by_shares(y)
+        return ContactDerivatives(normal, tangent, gap, slip, force)
+
+    def tangents(self, chosen: Ints) -> Any:
+        """Shares of both."""
+        more, pick = self._with_partners(chosen)
+        return pick @ self.linear.tangents(more)
+
+    def _with_partners(self, chosen: Ints) -> tuple[Ints, Any]:
+        """Multipliers that the chosen ones need, and the matrix (c, needed) of their shares."""
+        taken = {moved.slot: moved for moved in self.corners.moved}
+        needed = np.unique(np.append(chosen, [taken[k].partner for k in chosen if k in taken])).astype(np.int32)
+        place = np.searchsorted(needed, chosen)
+        row, column, value = list(range(len(chosen))), list(place), [1.0] * len(chosen)
+        for c, k in enumerate(chosen):
+            if k in taken:
+                value[c] = taken[k].share
+                row.append(c)
+                column.append(np.searchsorted(needed, taken[k].partner))
+                value.append(1.0 - taken[k].share)
+        return needed, coo_array((value, (row, column)), shape=(len(chosen), len(needed))).tocsr()
+
+    def _by_shares(self, chosen: Ints, values: Floats) -> Any:
+        """Derivatives (c, 2N) of values (k,) by the shares of the chosen."""
+        place = {int(k): c for c, k in enumerate(chosen)}
+        taken = [moved for moved in self.corners.moved if moved.slot in place]
+        rows = [np.full(6, place[moved.slot]) for moved in taken]
+        changes = [self.corners.change(moved, values) * moved.rates.ravel() for moved in taken]
+        return self._matrix(rows, [_both(moved.nodes) for moved in taken], changes, len(chosen))
+
+    def _force_by_shares(self, y: Floats) -> Any:
+        """What nodal forces (2N, 2N) change as shares pass them from node to node."""
+        total = self._matrix([], [], [], self.size)
+        for moved in self.corners.moved:
+            both = np.sort(np.array([moved.slot, moved.partner], np.int32))
+            sign = np.where(both == moved.slot, 1.0, -1.0)
+            found = self.linear.linearise(both, np.zeros_like(y))
+            along = y[0, moved.slot] * (sign @ found.normal)
+            if found.tangent is not None:
+                along = along + y[1, moved.slot] * (sign @ found.tangent)
+            force = np.flatnonzero(along)
+            column = _both(moved.nodes)
+            values = np.outer(along[force], moved.rates.ravel())
+            total = total + self._matrix(
+                [np.repeat(force, 6)], [np.tile(column, len(force))], [values.ravel()], self.size
+            )
+        return total
+
+    def _matrix(self, row: list[Ints], column: list[Ints], value: list[Floats], rows: int) -> Any:
+        none = np.zeros(0, np.int32)
+        parts = (np.concatenate([none, *row]), np.concatenate([none, *column]))
+        return coo_array((np.concatenate([np.zeros(0), *value]), parts), shape=(rows, self.size)).tocsr()
+
+
+def _both(nodes: Ints) -> Ints:
+    """Both coordinates of nodes."""
+    return np.add.outer(2 * nodes, np.arange(2, dtype=np.int32)).ravel()
