@@ -54,8 +54,6 @@ class ConsistentContactSystem(ContactSystem):
             pair.update(current, memory)
 
     def _solve_factored(self, *where: Floats) -> Solve | None:
-        if self._at_corners():
-            return None
         return self._solve_by_ends(*where) or self._solve_by_columns(*where)
 
     def _solve_by_ends(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve | None:

@@ -10,6 +10,7 @@ from contactlab.api import ContactView, Floats, GapAlgorithm, GapConditions
 from contactlab.api.surface import SurfacePositions
 from contactlab.contact.corners import Corners, Touch
 from contactlab.contact.gap_pair import GapPair
+from contactlab.contact.pair import turned
 from contactlab.kernels.contact.search import take
 
 POINT = (
@@ -75,7 +76,7 @@ class CornerPair(GapPair):
             weight[c] = np.outer((1.0, touch.xi - 1.0, -touch.xi), touch.outward)
             gap[c], measure[c], owner[c] = touch.gap + self.corners.slack, POINT * touch.length, touch.corner
         normal, start = weight.reshape(-1, 2), np.arange(0, 3 * k + 1, 3, dtype=np.int32)
-        along = np.stack([normal[:, 1], -normal[:, 0]], axis=1) if self.friction is not None else np.zeros((0, 2))
+        along = turned(normal) if self.friction is not None else np.zeros((0, 2))
         return GapConditions(start, node.ravel(), normal, along, gap, measure, owner)
 
     def compute_start_normals(self, positions: Floats, memory: Floats) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from contactlab.api import Floats
-from contactlab.contact.pair import ContactSnapshot, tangents
+from contactlab.contact.pair import ContactSnapshot, turned
 from contactlab.kernels.contact.factored_rows import FAR
 
 if TYPE_CHECKING:
@@ -36,12 +36,12 @@ def with_corners(pair: OperatorPair, seen: ContactSnapshot, multipliers: Floats)
     nodes = np.flatnonzero(given.any(axis=(0, 2)))
     if len(nodes):
         along = forces[0, nodes, None] * normals[nodes] + given[0, nodes]
-        total = along + forces[1, nodes, None] * tangents(normals[nodes]) + given[1, nodes]
+        total = along + forces[1, nodes, None] * turned(normals[nodes]) + given[1, nodes]
         gaps[nodes] = np.where((forces[0, nodes] > 0.0) & (gaps[nodes] < FAR), gaps[nodes], gap[nodes])
         normals[nodes] = along / np.hypot(*along.T)[:, None]
         before = forces[:, nodes].copy()
         forces[0, nodes] = (total * normals[nodes]).sum(axis=1)
-        forces[1, nodes] = (total * tangents(normals[nodes])).sum(axis=1)
+        forces[1, nodes] = (total * turned(normals[nodes])).sum(axis=1)
         pointed[:, nodes] += forces[:, nodes] - before
     bears = pointed.any(axis=0)
     cover[bears] = np.where(cover[bears] > 0.0, cover[bears], pair.full[bears])

@@ -149,6 +149,10 @@ class ContactSystem:
         # extrapolating the normal forces of the last two steps saves a quarter of the sweeps
         extrapolate(self.multipliers[0], self.before)
         where = predicted, current, compliance, force
+        if self._at_corners():
+            if self.factored is not None:
+                self.factored.count = 0
+            return self._solve_full(*where)
         return self._solve_factored(*where) or self._solve_full(*where)
 
     def _at_corners(self) -> bool:
@@ -160,7 +164,7 @@ class ContactSystem:
 
     def _solve_factored(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve | None:
         """By rows before their coupling is inverted; None where that cannot be."""
-        if self.factored is None or self._at_corners():
+        if self.factored is None:
             return None
         rows, began = self._assemble_factored(current, predicted), perf_counter()
         done = self.enforcement.solve_factored(rows, compliance, self.multipliers, force)
