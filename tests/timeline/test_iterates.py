@@ -34,8 +34,9 @@ def followed(small_scene: MakeScene, tmp_path_factory: pytest.TempPathFactory) -
     seen, record = [], NewtonIteration._record
 
     def copied(self: NewtonIteration, *row: Any) -> Any:
-        conditions = self.trial.contact.conditions  # type: ignore[union-attr]
-        seen.append((self.trial.u.copy(), np.where(conditions.present, conditions.gap, np.nan)))
+        contact: Any = self.trial.contact
+        gap = np.where(contact.conditions.present, contact.conditions.gap, np.nan)
+        seen.append((self.trial.u.copy(), gap[contact.pairs[0].own]))
         return record(self, *row)
 
     folder = tmp_path_factory.mktemp("followed") / "run"

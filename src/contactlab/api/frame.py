@@ -218,7 +218,7 @@ class Iterate(NamedTuple):
 
     number        of the iteration among all of the run, from 1: `iterations[number - 1]` has its residuals
     displacement  (N, 2) [mm]
-    gap           (k,) [mm] of each contact condition, in the order of `IterationRow.active_set`; nan: no condition
+    gap           (k,) [mm] of contact conditions, in the order of `IterationRow.active_set`; nan: no condition
     """
 
     number: int

@@ -148,11 +148,6 @@ class ContactPair(ABC):
         return slice(self.first_slot, self.first_slot + self.slots)
 
     @property
-    def all_own(self) -> slice:
-        """The same with those of its points at corners, which follow."""
-        return slice(self.first_slot, self.own.stop if self.points is None else self.points.own.stop)
-
-    @property
     def everywhere(self) -> bool:
         """Whether friction holds in the air, too, so that every multiplier in reach needs a row."""
         return self.sliding is not None and self.sliding.everywhere

@@ -210,7 +210,8 @@ def _needs(model: Model, scene: Scene) -> None:
     """Numbers that laws need by name are filled from here on."""
     pairs = () if model.contact is None else model.contact.pairs
     needing = [f for f in model.forces if f.body.material.needs]
-    sliding = [pair for pair in pairs if pair.sliding is not None and pair.sliding.varies]
+    passes = [(number, one) for number, pair in enumerate(pairs) for one in (pair, pair.points) if one is not None]
+    sliding = [(number, one) for number, one in passes if one.sliding is not None and one.sliding.varies]
     store: Any = getattr(model.contact, "store", None)
     pressing = None if store is None else store.memory
     if not needing and not sliding and pressing is None:
@@ -219,10 +220,9 @@ def _needs(model: Model, scene: Scene) -> None:
 
     fields = SceneFields(scene, model.timing.ramps)
     model.needs = tuple(fields.filling(forces, model.reference) for forces in needing)
-    for number, pair in enumerate(pairs):
-        if pair in sliding:
-            points = np.tile(model.reference[pair.slave.nodes], (pair.rows_per_node, 1))
-            fields.give(pair.sliding, points, f"contacts.{number}.friction")
+    for number, pair in sliding:
+        points = np.tile(model.reference[pair.slave.nodes], (pair.rows_per_node, 1))
+        fields.give(pair.sliding, points, f"contacts.{number}.friction")
     if pressing is not None:
         fields.give(pressing, pressing.points, "contacts.0.enforcement")
         store.begin()

@@ -80,6 +80,11 @@ class ImplicitModel(Model):
             u[:] = end
             np.add(self.reference, u, out=self.position)
 
+    @property
+    def shown_conditions(self) -> int:
+        """Number of the contact conditions that reports show, which come first."""
+        return self.contact.pairs[-1].own.stop if self.contact is not None else 0
+
     def external_force(self, time: float, out: Floats) -> bool:
         """As every model's; an effect whose answer is no number is named at once."""
         loaded = super().external_force(time, out)

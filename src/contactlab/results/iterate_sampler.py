@@ -59,4 +59,4 @@ def _gaps(model: ImplicitModel) -> np.ndarray:
     if model.contact is None:
         return np.zeros(0, np.float32)
     conditions = model.contact.conditions
-    return np.where(conditions.present, conditions.gap, np.nan).astype(np.float32)
+    return np.where(conditions.present, conditions.gap, np.nan)[: model.shown_conditions].astype(np.float32)

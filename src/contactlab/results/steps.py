@@ -37,7 +37,7 @@ class StepSampler:
     def __init__(self, model: Model, columns: int, take: Callable[[Floats], None]) -> None:
         self.rows: Floats = np.zeros((BLOCK, columns))
         pairs = model.contact.pairs if model.contact is not None else ()
-        self.states = np.zeros((2, pairs[-1].all_own.stop if pairs else 0), np.int32)
+        self.states = np.zeros((2, pairs[-1].own.stop if pairs else 0), np.int32)
         self.count = 0
         self.take = take
         self.sample = _with_split(self, _sample_of(self, model), split_of(model))
@@ -136,7 +136,7 @@ def _with_conditions(sampler: StepSampler, model: Model) -> Sample:
         at = model_scalars(row, bound.address, dt, *counts, of_elements, of_contact, works)
         before, now = sampler.states
         for pair in contact.pairs:
-            own = pair.all_own
+            own = pair.own
             now[own], penetration = _conditions_of(contact.conditions, own)
             active, sticking = np.count_nonzero(now[own]), np.count_nonzero(now[own] == STICKING)
             sampler.rows[row, at : at + 4] = active, sticking, penetration, np.count_nonzero(now[own] != before[own])
@@ -171,7 +171,7 @@ def _bound_model(buffer: Floats, model: Model) -> BoundArrays:
 
 def _bound_rows(sampler: StepSampler, model: Model, contact: ContactSystem | ImplicitContactSystem) -> BoundArrays:
     pairs, r, factored = contact.pairs, contact.rows, contact.factored or FactoredRows.allocate(0, 0)
-    starts = np.array([*(pair.first_slot for pair in pairs), pairs[-1].all_own.stop], np.int32)
+    starts = np.array([*(pair.first_slot for pair in pairs), pairs[-1].own.stop], np.int32)
     of_rows = (r.start, r.node, r.normal_weight, r.slot, r.measure, r.offset, r.bound, factored.slot, factored.left)
     return BoundArrays(CONTACT, sampler.rows, model.position, contact.multipliers, starts, *of_rows, *sampler.states)
 

@@ -20,12 +20,13 @@ IN_A_STEP = 6  # iterations of a step, for an estimate of what their states take
 
 def iterate_plan(model: Model, layout: Layout) -> IteratePlan | None:
     """Which iterations are kept; None where there are none, or no room for any."""
-    return IteratePlan.of(layout, _conditions(model)) if isinstance(model, ImplicitModel) else None
+    return IteratePlan.of(layout, model.shown_conditions) if isinstance(model, ImplicitModel) else None
 
 
 def iterates_on_disk(model: Model, plan: IteratePlan, layout: Layout, steps: int) -> float:
     """About what the states of a run of so many steps take [bytes]."""
-    return min(plan.rows, IN_A_STEP * steps) * float(iterate_bytes(layout, _conditions(model)))
+    assert isinstance(model, ImplicitModel)
+    return min(plan.rows, IN_A_STEP * steps) * float(iterate_bytes(layout, model.shown_conditions))
 
 
 def record_iterates(run: Run, plan: IteratePlan, record: Record) -> None:
@@ -34,7 +35,3 @@ def record_iterates(run: Run, plan: IteratePlan, record: Record) -> None:
     steps = record.from_ or 1, record.to or math.inf
     run.iterates = IterateSampler(run.model, plan, *steps, done=len(run.journal.iterations))
     run.model.listening = run.iterates.seen
-
-
-def _conditions(model: Model) -> int:
-    return len(model.contact.conditions.gap) if isinstance(model, ImplicitModel) and model.contact is not None else 0

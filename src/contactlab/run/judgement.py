@@ -46,7 +46,7 @@ def judge(model: Model, sample: Sample | None, closed: Flags, largest_force: flo
     curved = []
     for pair in model.contact.pairs if model.contact is not None else ():
         report = sample.contacts[pair.name]
-        if not closed[pair.all_own].any():
+        if not any(closed[one.own].any() for one in (pair, pair.points) if one is not None):
             model.warnings.add(_never_closed(model, pair, report))
         elif report.largest > ROUND * largest_force:
             model.warnings.add(*_coarse_facets(model, pair, report.curve), *_few_nodes(model, pair, report.curve))

@@ -124,7 +124,9 @@ class Run:
         done = step.status is StepStatus.accepted
         state, dt = self.model.state, self.schedule.dt
         begun = (state.step if done else state.step + 1, state.time - dt if done else state.time, dt, self.attempt)
-        self.journal.iterated([IterationRow._make((*begun, i + 1, *row)) for i, row in enumerate(step.trace)])
+        shown = cast("ImplicitModel", self.model).shown_conditions
+        trace = [row._replace(statuses=row.statuses[:shown]) for row in step.trace]
+        self.journal.iterated([IterationRow._make((*begun, i + 1, *row)) for i, row in enumerate(trace)])
         if self.iterates is not None:
             self.journal.iterates(self.iterates.take(len(self.journal.iterations)))
             if text := self.iterates.thinned():

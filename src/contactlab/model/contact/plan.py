@@ -97,7 +97,7 @@ class ContactPlan:
 
 
 def all_passes(plans: tuple[ContactPlan, ...]) -> tuple[ContactPlan, ...]:
-    """The contacts, each followed by its points at corners, and after them the second ones of two half passes."""
+    """The contacts, after them points at corners of their masters, and the second ones of two half passes."""
     second = [
         replace(
             p, name=f"{p.name}.exchanged", slave=p.exchanged[0], master=p.exchanged[1], sides=p.sides[::-1], second=True
@@ -105,18 +105,15 @@ def all_passes(plans: tuple[ContactPlan, ...]) -> tuple[ContactPlan, ...]:
         for p in plans
         if p.exchanged
     ]
-    return (*(one for plan in plans for one in (plan, *_points(plan))), *second)
+    return (*plans, *(_points(plan) for plan in plans if plan.corners is not None), *second)
 
 
-def _points(plan: ContactPlan) -> tuple[ContactPlan, ...]:
-    """The pass of points at corners of the master, if there are any."""
-    if plan.corners is None:
-        return ()
-    points = replace(
+def _points(plan: ContactPlan) -> ContactPlan:
+    """The pass of points at corners of the master."""
+    return replace(
         plan, name=f"{plan.name}.corners", algorithm=CornerPoints(), slave=plan.master, master=plan.slave,
         sides=plan.sides[::-1], second=True,
     )  # fmt: skip
-    return (points,)
 
 
 def by_energy(plan: ContactPlan) -> bool:
@@ -309,10 +306,10 @@ def build_contact(
     # steps that iterate look for a state at their end, explicit ones go on from where they are
     time = state["clock"] if explicit else np.zeros(1)
     pairs: list[ContactPair] = []
-    first = 0
+    first, held_at = 0, (pair for plan, pair in zip(plans, pairs) if plan.corners is not None)
     for plan in plans:
         if isinstance(plan.algorithm, CornerPoints):
-            pairs.append(_points_beside(pairs[-1], plan, reference, first, immobile))
+            pairs.append(_points_beside(next(held_at), plan, reference, first, immobile))
             first += plan.slots
             continue
         if not plan.second:
