@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+
 from contactlab.api.arrays import Floats, Ints
 from contactlab.api.compiled.bound_arrays import Ints2, KernelArgument
 
@@ -28,6 +30,11 @@ class Surface(KernelArgument):
     node_segments: Ints2
     edges: Ints2
     segment_edge: Ints2
+
+    def lengths(self, at: Floats) -> Floats:
+        """Lengths (s,) [mm] of the segments with the nodes at positions `at` (m, 2) [mm]."""
+        edge = at[self.segments[:, 1]] - at[self.segments[:, 0]]
+        return np.asarray(np.hypot(edge[:, 0], edge[:, 1]))
 
 
 class Candidates(NamedTuple):

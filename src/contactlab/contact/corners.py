@@ -14,7 +14,6 @@ import numpy as np
 
 from contactlab.api import Floats, Ints, Rows, Surface
 from contactlab.api.surface import SurfacePositions
-from contactlab.contact.near_list import segment_lengths
 from contactlab.kernels.contact.corners import take_row, touches
 
 if TYPE_CHECKING:
@@ -73,7 +72,7 @@ class Corners:
 
     def __init__(self, pair: OperatorPair, nodes: Ints) -> None:
         self.pair, self.nodes = pair, nodes
-        self.slack = SLACK * float(segment_lengths(pair.at.slave, pair.slave).min())
+        self.slack = SLACK * float(pair.slave.lengths(pair.at.slave).min())
         self.near: Near | None = None
         self.close = nodes[:0]
         self.moved: list[Moved] = []

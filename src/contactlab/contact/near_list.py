@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from contactlab.api import Candidates, Floats, Surface
 from contactlab.api.surface import SurfacePositions
 from contactlab.kernels.contact.search import largest_move, near_segments
@@ -37,10 +35,4 @@ class Near:
 
 def longest_segment(at: SurfacePositions, slave: Surface, master: Surface) -> float:
     """Length [mm] of the longest segment of either surface."""
-    return max(float(segment_lengths(at.slave, slave).max()), float(segment_lengths(at.master, master).max()))
-
-
-def segment_lengths(positions: Floats, surface: Surface) -> Floats:
-    """Lengths (s,) [mm] of the segments of a surface whose nodes are at `positions` (m, 2)."""
-    edge = positions[surface.segments[:, 1]] - positions[surface.segments[:, 0]]
-    return np.asarray(np.hypot(edge[:, 0], edge[:, 1]))
+    return max(float(slave.lengths(at.slave).max()), float(master.lengths(at.master).max()))

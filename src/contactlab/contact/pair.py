@@ -21,7 +21,7 @@ from contactlab.api import (
     Surface,
 )
 from contactlab.api.surface import SurfacePositions
-from contactlab.contact.near_list import REACH, Near, longest_segment, segment_lengths
+from contactlab.contact.near_list import REACH, Near, longest_segment
 from contactlab.contact.sliding import sliding_of
 from contactlab.contact.start_gaps import StartGaps
 from contactlab.kernels.contact import rows
@@ -121,7 +121,7 @@ class ContactPair(ABC):
         self.method, self.slots = algorithm, algorithm.rows_per_node * len(slave.nodes)
         self.at = SurfacePositions(reference[slave.nodes], reference[master.nodes])
         self.size = longest_segment(self.at, slave, master)
-        self.held = min(self.size, HELD * float(segment_lengths(self.at.slave, slave).max()))
+        self.held = min(self.size, HELD * float(slave.lengths(self.at.slave).max()))
         self.near: Near | None = None
         self.gaps = np.full((self.slots, 2), FAR)
         self.start_gaps: StartGaps | None = None

@@ -58,8 +58,6 @@ class WrongSide:
 
     def update(self) -> None:
         """Take in segment lengths and normals at the slave nodes that are pressed now."""
-        from contactlab.contact.near_list import segment_lengths  # of contacts alone
-
         pair, position = self.pair, self.model.position
         forces = self.model.state["multipliers"][0, pair.own]
         slots = np.flatnonzero(forces > 0.0)
@@ -68,7 +66,7 @@ class WrongSide:
         nodes = np.asarray(slots % len(pair.slave.nodes), np.int32)
         slave, master = position[pair.slave.nodes], position[pair.master.nodes]
         at = slave[np.unique(nodes)]
-        own, other = segment_lengths(slave, pair.slave), segment_lengths(master, pair.master)
+        own, other = pair.slave.lengths(slave), pair.master.lengths(master)
         ratio = own[_nearest(at, slave, pair.slave)] / other[_nearest(at, master, pair.master)]
         self.worst[0] = max(self.worst[0], float(np.median(ratio)))
         found = _nearest(slave[nodes], master, pair.master)

@@ -86,9 +86,23 @@ def _columns(kind: np.dtype[Any]) -> dict[str, np.ndarray]:
 
 def _recorder_of(model: Model, pair: ContactPair, columns: dict[str, np.ndarray]) -> Callable[[int], None]:
     """What fills a row of one contact from the model after a step."""
-    if isinstance(pair, OperatorPair) and not pair.algorithm.points_press:
-        return _compiled(model, pair, columns)
-    return _by_numpy(model, pair, columns)
+    if not isinstance(pair, OperatorPair) or pair.algorithm.points_press:
+        return _by_numpy(model, pair, columns)
+    compiled, corners = _compiled(model, pair, columns), pair.corners
+    if corners is None:
+        return compiled
+
+    def record(row: int) -> None:
+        compiled(row)
+        if corners.touching:
+            _fill(columns, row, node_values(pair, pair.snapshot(model.state, model.position)))
+
+    return record
+
+
+def _fill(columns: dict[str, np.ndarray], row: int, values: dict[str, np.ndarray]) -> None:
+    for name in values.keys() & columns.keys():
+        columns[name][row] = values[name]
 
 
 def _compiled(model: Model, pair: OperatorPair, columns: dict[str, np.ndarray]) -> Callable[[int], None]:
@@ -150,9 +164,7 @@ def _by_numpy(model: Model, pair: ContactPair, columns: dict[str, np.ndarray]) -
 
     def record(row: int) -> None:
         seen = pair.snapshot(model.state, model.position)
-        for name, values in node_values(pair, seen).items():
-            if name in columns:
-                columns[name][row] = values
+        _fill(columns, row, node_values(pair, seen))
         columns["segment"][row] = facing_segments(pair)
         if "slip" in columns:
             implicit = hasattr(contact, "conditions")

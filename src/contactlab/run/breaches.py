@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from contactlab.api import RunWarning
-from contactlab.contact.near_list import segment_lengths
 from contactlab.model.model import Model
 from contactlab.results.invariants import Invariant
 
@@ -80,9 +79,7 @@ def _cure(one: Invariant, model: Model) -> str:
             f"make {type(part).__name__} {one.value / one.limit:.2g} times as stiff, take finer cells, or contact "
             'without springs (mortar-p1, enforcement = "active-set")'
         )
-    own, other = (
-        float(segment_lengths(at, side).mean()) for at, side in zip(pair.at, (pair.slave, pair.master), strict=True)
-    )
+    own, other = (float(side.lengths(at).mean()) for side, at in zip((pair.slave, pair.master), pair.at, strict=True))
     if other > COARSER * own:
         return (
             f"segments of the master are {other / own:.2g} times as long as those of the slave, and press with their "

@@ -306,10 +306,11 @@ def build_contact(
     # steps that iterate look for a state at their end, explicit ones go on from where they are
     time = state["clock"] if explicit else np.zeros(1)
     pairs: list[ContactPair] = []
-    first, held_at = 0, (pair for plan, pair in zip(plans, pairs) if plan.corners is not None)
+    first = 0
     for plan in plans:
         if isinstance(plan.algorithm, CornerPoints):
-            pairs.append(_points_beside(next(held_at), plan, reference, first, immobile))
+            held_at = next(pair for pair in pairs if plan.name == f"{pair.name}.corners")
+            pairs.append(_points_beside(held_at, plan, reference, first, immobile))
             first += plan.slots
             continue
         if not plan.second:
