@@ -111,11 +111,11 @@ def clip(algorithm: str) -> Results:
     return contactlab.simulate(Scene.from_data(scene))
 
 
-@pytest.mark.full
 def test_a_clip_passes_a_sharp_edge_and_rests_on_the_plate_with_the_force_of_friction() -> None:
+    """Nothing snaps: the hook slides over the corner, which holds it all the way, so that nothing is stabilised."""
     found = clip("mortar-p1")
     assert found.status == "finished"
-    assert found.summary["stabilisation"]["steps"] > 0
+    assert "stabilisation" not in found.summary
     along, across = found.summary["reactions"]["clip.root"]
     # the plate is level, and the clip slides on it
     assert along == pytest.approx(-0.2 * across, rel=1e-3)
