@@ -50,7 +50,7 @@ def with_corners(pair: OperatorPair, seen: ContactSnapshot, multipliers: Floats)
 
 
 def _of_points(pair: OperatorPair, multipliers: Floats, slots: int) -> tuple[Floats, Floats]:
-    """Normal and tangential forces (2, k, 2) [N] of points on nodes of the slave, and gaps (k,) [mm] of the points."""
+    """Normal and tangential forces (2, k, 2) [N] of points at carriers of multipliers, and gaps (k,) [mm] of points."""
     points, given, gap = cast("CornerPair", pair.points), np.zeros((2, slots, 2)), np.zeros(slots)
     known = multipliers[:, points.own]
     for touch in points.touched:
@@ -59,4 +59,8 @@ def _of_points(pair: OperatorPair, multipliers: Floats, slots: int) -> tuple[Flo
         for part, direction in enumerate((-touch.outward, touch.along)[: len(known)]):
             given[part, nodes] += known[part, touch.corner] * np.outer((1.0 - touch.xi, touch.xi), direction)
         gap[nodes] = points.gaps[touch.corner, 0]
+    inner, *beside = pair.between
+    for carriers in beside:
+        np.add.at(given, (slice(None), carriers), 0.5 * given[:, inner])
+    given[:, inner] = 0.0
     return given, gap
