@@ -60,7 +60,8 @@ def _of_points(pair: OperatorPair, multipliers: Floats, slots: int) -> tuple[Flo
             given[part, nodes] += known[part, touch.corner] * np.outer((1.0 - touch.xi, touch.xi), direction)
         gap[nodes] = points.gaps[touch.corner, 0]
     inner, *beside = pair.between
-    for carriers in beside:
-        np.add.at(given, (slice(None), carriers), 0.5 * given[:, inner])
-    given[:, inner] = 0.0
+    for values in given:
+        for carriers in beside:
+            np.add.at(values, carriers, 0.5 * values[inner])
+        values[inner] = 0.0
     return given, gap
