@@ -59,3 +59,26 @@ def test_a_master_of_two_bodies_is_no_corner() -> None:
     assert results.status == "finished", results.reason
     assert np.abs(results.history["contacts.0.fy"]).max() > 0.0
     assert "leaning-forces" not in {warning.code for warning in results.warnings}
+
+
+def test_a_block_between_two_walls_has_forces_that_add_up_to_none() -> None:
+    """It is shortened until it fills a channel: forces of both walls cancel, and lean by nothing."""
+    young, poisson, wide, gap, push = 100.0, 0.3, 2.0, 0.001, 0.008
+    scene = Scene.from_data({
+        "integrator": "central-difference",
+        "materials": {"m": {"use": "linear-elastic", "young": young, "poisson": poisson, "density": 1e-9}},
+        "bodies": {"block": {"element": "q1", "material": "m",
+                             "mesh": {"use": "rectangle", "x": [-1.0, 1.0], "y": [0.0, 1.0], "cells": [4, 3]}}},
+        "rigid": {"left": {"line": [[-1.0 - gap, -1.0], [-1.0 - gap, 2.0]]},
+                  "right": {"line": [[1.0 + gap, 2.0], [1.0 + gap, -1.0]]}},
+        "contacts": [{"slave": f"block.{to}", "master": to, "algorithm": "mortar-p1"} for to in ("left", "right")],
+        "supports": [{"on": "block.bottom", "uy": 0.0}, {"on": "block.top", "uy": {"ramp": "parabola", "to": -push}}],
+        "record": {"frames": 20, "recorders": []},
+    })  # fmt: skip
+    results = contactlab.simulate(scene)
+    assert results.status == "finished", results.reason
+    stiffness = young / (1.0 + poisson) / (1.0 - 2.0 * poisson)
+    side = stiffness * (poisson * push - (1.0 - poisson) * 2.0 * gap / wide)  # plane strain, uniform
+    # 1e-3: what is left of vibrations when a quasi-static run counts as settled
+    assert abs(results.summary["reactions"]["left"][0]) == pytest.approx(side, rel=1e-3)
+    assert results.warnings == []
