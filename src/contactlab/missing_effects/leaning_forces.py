@@ -1,7 +1,8 @@
 """Contact forces that pressure and shear do not add up to: they lean, as gaps change from place to place.
 
-Consistent forces act along the derivatives of the gaps. A mean gap over a segment that sees both sides of a sharp
-corner of the master changes as the segment slides past the corner; its multiplier then pushes against the slide.
+Consistent forces act along the derivatives of the gaps. A mean gap over a segment that sees both sides of a vertex of
+the master changes as the segment slides past; its multiplier then pushes against the slide. Sharp corners hold their
+own conditions (`contactlab.contact.corners`).
 """
 
 from __future__ import annotations
