@@ -135,6 +135,28 @@ def test_a_bounce_gives_back_what_it_took() -> None:
     assert min(results.history["energy.contact"]) < -0.05 * kinetic
 
 
+def test_a_bounce_in_implicit_steps_loses_what_forces_at_their_ends_do_not_give_back() -> None:
+    """A block on a floor softer by 500: m v^2 = p^2/k, and the energy that is lost halves with the steps."""
+    speed, soft = 1.5, 2.0
+    contact = math.pi * math.sqrt(RHO * HEIGHT / soft)
+    law, lost = {"use": "linear-pressure", "stiffness": soft}, []
+    for steps in (40, 80):
+        scene = blocks(law, "implicit-dynamics").with_({
+            "integrator": {"use": "implicit-dynamics", "steps": steps}, "time.end": 1.6 * contact,
+            "bodies.upper.velocity": [0.0, -speed], "supports": [{"on": "lower.bottom", "ux": 0.0, "uy": 0.0}],
+        })  # fmt: skip
+        results = simulate(scene)
+        assert results.status == "finished", results.reason
+        whole = 0.5 * WIDTH * HEIGHT * RHO * speed**2
+        lost.append(1.0 - results.history["energy.kinetic"][-1] / whole)
+        # half a step beside the peak, and the elastic bodies, 1/500
+        peak = np.abs(results.history["contacts.0.fy"]).max() / WIDTH
+        assert peak == pytest.approx(speed * math.sqrt(RHO * HEIGHT * soft), rel=4.0 / steps)
+    # to second order of pi/steps
+    assert lost[1] == pytest.approx(0.5 * lost[0], rel=0.1)
+    assert 0.0 < lost[1] < 0.1
+
+
 @pytest.mark.parametrize("integrator", ["newton", "central-difference"])
 def test_friction_carries_its_share_of_the_pressure(integrator: str) -> None:
     """A block dragged along slides under mu times its pressure; in an explicit run, which rings, it sticks at times."""

@@ -92,13 +92,6 @@ class HalfPassSystem(ImplicitContactSystem):
         work = np.where(c.present, c.force[1] * c.slip, 0.0)
         return -sum(pair.share * float(work[pair.own].sum()) for pair in self.passes)
 
-    def directions(self, chosen: Ints) -> tuple[Any, Any]:
-        """Directions of impulses; none in steps of a motion, where springs stop surfaces and nothing else has to."""
-        normal, tangent = super().directions(chosen)
-        if "velocity" not in self.state:
-            return normal, tangent
-        return 0.0 * normal, None if tangent is None else 0.0 * tangent
-
 
 def shear_stiffness(law: NormalLaw, stiffness: Floats, size: Floats) -> Floats:
     """Shear per slip (k,) [MPa/mm]: what the pressure grows by, per overlap, where surfaces touch."""

@@ -38,11 +38,11 @@ class Impulses(NamedTuple):
 def solve_impulses(contact: ImplicitContact, response: Response, mobility: Floats, velocity: Floats) -> Impulses:
     """Change `velocity` (N, 2) in place by the impulses after which closed contacts do not close further.
 
-    `mobility` (N, 2) is the inverse mass.
+    `mobility` (N, 2) is the inverse mass. Springs stop surfaces in their own time, and give back what they store.
     """
-    force = contact.conditions.force
+    force, enforcement = contact.conditions.force, contact.enforcement
     closed = contact.conditions.present & (force[0] > 0.0)
-    if not closed.any():
+    if not ((enforcement.exact or enforcement.augments) and closed.any()):
         return Impulses(np.zeros_like(velocity), np.zeros_like(force), 0.0, 0.0)
     normal, tangent = contact.directions(np.flatnonzero(closed).astype(np.int32))
     stick, ratio = np.zeros(0, np.int64), np.zeros(0)
