@@ -12,7 +12,8 @@ from contactlab.api.arrays import Flags
 from contactlab.errors import SimulationFailure
 from contactlab.meshing.curves import facet_depths
 from contactlab.results.facets import cusps
-from contactlab.results.invariants import ROUND, invariants
+from contactlab.results.invariants import NO_STRAIN, ROUND, invariants
+from contactlab.results.strain_scale import energy_of_strain
 from contactlab.run.breaches import breach
 from contactlab.run.end_lengths import end_lengths
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from contactlab.results.contact_report import ContactReport
     from contactlab.results.sample import Sample
 
+JUMP = 0.2  # of all work: a disc pressed a fifth of its radius in one load step has 0.05, other statics less than 0.02
 WRONG = 0.25  # of the contact force: the pressure is that of another one
 FACETS = 0.05  # depth of facets over the approach: unlike meshes of a press fit then miss 2.5 % of its mean pressure
 FIT = 0.05  # segments: how far nodes of like meshes may have slid apart
@@ -43,6 +45,7 @@ def judge(model: Model, sample: Sample | None, closed: Flags, largest_force: flo
     for one in invariants(model, sample, largest_force):
         if one.broken:
             model.warnings.add(breach(one, model))
+    model.warnings.add(*_jumps(model, sample))
     curved = []
     for pair in model.contact.pairs if model.contact is not None else ():
         report = sample.contacts[pair.name]
@@ -62,6 +65,22 @@ def judge(model: Model, sample: Sample | None, closed: Flags, largest_force: flo
                 _judge_pressure(pair.name, report.force_error(report.covered_integral), sample.step)
     if curved:
         model.warnings.add(*_kept_gaps(model, curved, sample.energies["stored"] + sample.energies["plastic"]))
+
+
+def _jumps(model: Model, sample: Sample) -> Iterator[RunWarning]:
+    """Whether load steps of elastic bodies were too long to follow the path of equilibria: work is no stored energy."""
+    energies, elastic = sample.energies, not any(body.material.history_size for body in model.bodies)
+    if model.integrator.inertia or not (elastic and model.way_followed):
+        return
+    apart = abs(energies["internal"] - energies["stored"])
+    scale = abs(energies["internal"]) + abs(energies["external"])
+    if scale > energy_of_strain(model, NO_STRAIN) and apart > JUMP * scale:
+        yield RunWarning(
+            "jump", apart / scale, JUMP, "integrator.steps",
+            f"load steps jumped: the work of the stresses over them and the energy that is stored differ by "
+            f"{apart / scale:.0%} of all work (limit {JUMP:.0%}), so that the end may be another equilibrium than the "
+            "one that the loads lead to; take three times as many integrator.steps, or implicit-dynamics",
+        )  # fmt: skip
 
 
 def _never_closed(model: Model, pair: ContactPair, report: ContactReport) -> RunWarning:
