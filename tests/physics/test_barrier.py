@@ -126,6 +126,28 @@ def test_surfaces_apart_are_not_opened() -> None:
     assert "opened" not in run(scene).summary["contacts"]["contacts.0"]
 
 
+@pytest.mark.parametrize("gap", [0.01, 0.05])
+def test_a_block_that_bulges_across_narrow_gaps_is_told_what_the_distance_of_the_barrier_costs(gap: float) -> None:
+    """Between walls a block is held in x from e_x = gap on; what is more than that comes from the distance kept."""
+    x = 1.0 + gap
+    walls = {"left": {"line": [[-x, -1.0], [-x, 2.0]]}, "right": {"line": [[x, 2.0], [x, -1.0]]}}
+    mesh = {"use": "rectangle", "x": [-1.0, 1.0], "y": [0.0, 1.0], "cells": [4, 3]}
+    plane, ratio = 100.0 / (1.0 - 0.3**2), 0.3 / 0.7
+    down = -gap / ratio - 0.05
+    results = simulate(Scene.from_data({
+        "integrator": "newton",
+        "materials": {"m": {"use": "linear-elastic", "young": 100.0, "poisson": 0.3, "density": 1e-9}},
+        "bodies": {"b": {"element": "q1", "material": "m", "mesh": mesh}},
+        "rigid": walls,
+        "contacts": [{"slave": f"b.{side}", "master": side, "algorithm": "barrier"} for side in walls],
+        "supports": [{"on": "b.bottom", "uy": 0.0}, {"on": "b.top", "uy": {"ramp": "linear", "to": down}}],
+    }))  # fmt: skip
+    right = plane / (1.0 - ratio**2) * (gap + ratio * down)
+    error = abs(results.summary["reactions"]["left"][0] / right) - 1.0
+    assert error > 0.05
+    assert "early-contact" in {warning.code for warning in results.warnings}
+
+
 @pytest.mark.parametrize("depth", [0.1581, pytest.param(0.35, marks=pytest.mark.full)])
 def test_reactions_over_dhat_lead_to_those_of_a_mortar(depth: float) -> None:
     """At h/5, h/10, h/20 and by a line through them at 0: within 1 % of mortar-p1, and each nearer than the last."""

@@ -103,6 +103,8 @@ class ContactPair(ABC):
     """Whether forces come from a `Potential`, without conditions."""
     clearance: float = 0.0
     """Gap [mm] at which forces begin."""
+    opened: float = 0.0
+    """[mm] by how much surfaces that touched were opened before the run: exact conditions would keep this gap."""
     lagged: ClassVar[float] = 0.0
     """Share of the largest force by which friction may differ from that of the final normal forces."""
 

@@ -30,8 +30,8 @@ class ContactReport:
     penetrating_side   "slave", "master" or ""
     cone_violation     largest of -y_n and |y_t| - bound, over the largest y_n
     complementarity    largest |y_n g| over largest y_n times segment length
-    kept_work          [mJ] sum of y_n times what gaps are below `clearance`: what opening pressed conditions to that
-                       would take
+    kept_work          [mJ] sum of y_n times overlaps: what opening pressed conditions would take
+    early_work         [mJ] sum of y_n times gaps across which forces act
     most_negative      lowest multiplier over the highest
     active, sticking   nodes with a force; of these, nodes below their friction bound
     largest            [N] largest y_n
@@ -47,6 +47,7 @@ class ContactReport:
     cone_violation: float
     complementarity: float
     kept_work: float
+    early_work: float
     most_negative: float
     active: int
     sticking: int
@@ -109,7 +110,8 @@ def report_contact(pair: ContactPair, state: State, reference: Floats, position:
             max((-normal_force).max(initial=0.0), (np.abs(tangential_force) - bound).max(initial=0.0)) / largest
         ),
         complementarity=float(np.abs(normal_force * gaps).max(initial=0.0) / (largest * pair.size)),
-        kept_work=float(normal_force @ np.maximum(0.0, pair.clearance - seen.gaps)),
+        kept_work=float(normal_force @ np.maximum(0.0, pair.opened - seen.gaps)),
+        early_work=float(normal_force @ np.maximum(0.0, gaps - pair.opened)) if pair.clearance > 0.0 else 0.0,
         most_negative=float(pressure.min(initial=0.0) / max(pressure.max(initial=0.0), 1e-300)),
         active=int(np.count_nonzero(states)),
         sticking=int(np.count_nonzero(states == 1)),

@@ -265,6 +265,13 @@ def _kept_overlap(model: Model, pair: ContactPair, sample: Sample) -> Iterator[I
                 sum(kept.values()) / stored, GIVE,
                 "springs give way to the pressure, and bodies come nearer than they would under exact conditions",
             )  # fmt: skip
+        early = {name: report.early_work for name, report in sample.contacts.items()}
+        if pair.clearance > 0.0 and stored > 0.0 and pair.name == max(early, key=lambda name: early[name]):
+            yield Invariant(
+                "work across the gaps of pressed nodes over that of the stresses", "early-contact", pair.name,
+                sum(early.values()) / stored, GIVE,
+                "forces act before surfaces touch, and bodies are pressed as if they were larger by the gap",
+            )  # fmt: skip
     # in statics, and with frozen forces in steps that iterate, pressed nodes have no overlaps
     stored = abs(sample.energies["internal"])
     if not springs and contact.consistent and stored > 0.0:

@@ -153,4 +153,4 @@ def begin_open(plan: ContactPlan, pair: Any, positions: Floats) -> None:
                 hint='move a body with shift, or write start = { overlap = "adjust" }',
             )  # fmt: skip
     if plan.opened > 0.0:
-        pair.start_gaps = Opened(pair.slots, plan.opened)
+        pair.start_gaps, pair.opened = Opened(pair.slots, plan.opened), plan.opened
