@@ -255,30 +255,38 @@ def _kept_overlap(model: Model, pair: ContactPair, sample: Sample) -> Iterator[I
     """Overlaps that forces leave: springs by nature, forces that give no energy if they came in an instant."""
     contact = model.contact
     assert contact is not None  # a pair belongs to one
-    springs = pair.by_energy or not contact.enforcement.exact
-    if springs and not _has_law(model) and not model.integrator.inertia:
-        stored = sample.energies["stored"] + sample.energies["plastic"]
-        kept = {name: report.kept_work for name, report in sample.contacts.items()}
-        if stored > 0.0 and pair.name == max(kept, key=lambda name: kept[name]):  # contacts in series add up
-            yield Invariant(
-                "work that would open all pressed nodes over that of the stresses", "kept-overlap", pair.name,
-                sum(kept.values()) / stored, GIVE,
-                "springs give way to the pressure, and bodies come nearer than they would under exact conditions",
-            )  # fmt: skip
-        early = {name: report.early_work for name, report in sample.contacts.items()}
-        if pair.clearance > 0.0 and stored > 0.0 and pair.name == max(early, key=lambda name: early[name]):
-            yield Invariant(
-                "work across the gaps of pressed nodes over that of the stresses", "early-contact", pair.name,
-                sum(early.values()) / stored, GIVE,
-                "forces act before surfaces touch, and bodies are pressed as if they were larger by the gap",
-            )  # fmt: skip
+    if pair.by_energy or not contact.enforcement.exact:
+        if not _has_law(model) and not model.integrator.inertia:
+            yield from _kept_by_springs(model, pair, sample)
+        return
     # in statics, and with frozen forces in steps that iterate, pressed nodes have no overlaps
     stored = abs(sample.energies["internal"])
-    if not springs and contact.consistent and stored > 0.0:
+    if contact.consistent and stored > 0.0:
         yield Invariant(
             "overlaps of pressed nodes times their forces over the work of the stresses", "kept-overlap", pair.name,
             sample.contacts[pair.name].kept_work / stored, KEPT,
             "gaps jump where a segment comes within reach; forces that give no energy leave the overlap as it is",
+        )  # fmt: skip
+
+
+def _kept_by_springs(model: Model, pair: ContactPair, sample: Sample) -> Iterator[Invariant]:
+    """Overlaps and gaps of all contacts, as those in series add up, at the one that has most of them."""
+    stored = sample.energies["stored"] + sample.energies["plastic"]
+    if stored <= energy_of_strain(model, NO_STRAIN):
+        return
+    kept = {name: report.kept_work for name, report in sample.contacts.items()}
+    if pair.name == max(kept, key=lambda name: kept[name]):
+        yield Invariant(
+            "work that would open all pressed nodes over that of the stresses", "kept-overlap", pair.name,
+            sum(kept.values()) / stored, GIVE,
+            "springs give way to the pressure, and bodies come nearer than they would under exact conditions",
+        )  # fmt: skip
+    early = {name: report.early_work for name, report in sample.contacts.items()}
+    if pair.clearance > 0.0 and pair.name == max(early, key=lambda name: early[name]):
+        yield Invariant(
+            "work across the gaps of pressed nodes over that of the stresses", "early-contact", pair.name,
+            sum(early.values()) / stored, GIVE,
+            "forces act before surfaces touch, and bodies are pressed as if they were larger by the gap",
         )  # fmt: skip
 
 
