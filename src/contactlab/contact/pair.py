@@ -105,7 +105,7 @@ class ContactPair(ABC):
     """Gap [mm] at which forces begin."""
     opened: float = 0.0
     """[mm] by how much surfaces that touched were opened before the run: exact conditions would keep this gap."""
-    lagged: ClassVar[float] = 0.0
+    lagged: float = 0.0
     """Share of the largest force by which friction may differ from that of the final normal forces."""
 
     def __init__(

@@ -18,6 +18,7 @@ from contactlab.kernels.contact.factored_rows import FAR
 
 STEP = 1e-6  # of a segment: differences of gradients
 LAGGED = 1e-8  # of the largest force: friction forces that change less by newer normal forces are those of the end
+LATER = 10.0  # times the last change: what changes after it could add up to
 STALLED = 1e-4  # of it: so are those that change less, if newer normal forces no longer halve the change
 
 
@@ -56,7 +57,7 @@ class PotentialPair(GapPair):
     """
 
     by_energy: ClassVar[bool] = True
-    lagged: ClassVar[float] = LAGGED
+    lagged: float = LATER * LAGGED
 
     def __init__(
         self,
@@ -168,6 +169,7 @@ class PotentialPair(GapPair):
         self.change = change
         if stalled or change <= LAGGED * largest:
             self.view.lagged[:] = lagged
+            self.lagged = LATER * max(LAGGED, float(change / max(largest, 1e-300)))
             return False
         self.rubbed = now
         return True

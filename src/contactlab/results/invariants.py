@@ -272,7 +272,7 @@ def _kept_overlap(model: Model, pair: ContactPair, sample: Sample) -> Iterator[I
 def _kept_by_springs(model: Model, pair: ContactPair, sample: Sample) -> Iterator[Invariant]:
     """Overlaps and gaps of all contacts, as those in series add up, at the one that has most of them."""
     stored = sample.energies["stored"] + sample.energies["plastic"]
-    if stored <= energy_of_strain(model, NO_STRAIN):
+    if stored <= energy_of_strain(model, NOTHING):
         return
     kept = {name: report.kept_work for name, report in sample.contacts.items()}
     if pair.name == max(kept, key=lambda name: kept[name]):
