@@ -31,11 +31,11 @@ class ContactReport:
     cone_violation     largest of -y_n and |y_t| - bound, over the largest y_n
     complementarity    largest |y_n g| over largest y_n times segment length
     kept_work          [mJ] sum of y_n times overlaps: what opening pressed conditions would take
-    early_work         [mJ] sum of y_n times gaps across which forces act
     most_negative      lowest multiplier over the highest
     active, sticking   nodes with a force; of these, nodes below their friction bound
     largest            [N] largest y_n
     pressing           [N] sum of the y_n that press
+    early_work         [mJ] sum of y_n times gaps across which forces act
     """
 
     curve: ContactCurve
@@ -47,12 +47,12 @@ class ContactReport:
     cone_violation: float
     complementarity: float
     kept_work: float
-    early_work: float
     most_negative: float
     active: int
     sticking: int
     largest: float = 0.0
     pressing: float = 0.0
+    early_work: float = 0.0
 
     def force_error(self, integral: Floats) -> float:
         """How far an integral of the tractions (2,) [N] is from the nodal forces, over them; 0 where they are none.
