@@ -149,7 +149,7 @@ class ContactSystem:
         # extrapolating the normal forces of the last two steps saves a quarter of the sweeps
         extrapolate(self.multipliers[0], self.before)
         where = predicted, current, compliance, force
-        if self._at_corners():
+        if self.cornered and self._at_corners():
             if self.factored is not None:
                 self.factored.count = 0
             return self._solve_full(*where)
