@@ -99,6 +99,8 @@ def contact_scalars(row, bound, column, count, factored):
             now[factored_slot[k]] = ACTIVE
         out[at + 2] = max(out[at + 2], -left[k])
     for k in range(count):
+        if slot[k] >= first[pairs]:
+            continue  # of a point at a corner, behind all contacts
         at = column + 4 * _pair(first, slot[k])
         pressed = forces[0, slot[k]]
         pulled = abs(forces[1, slot[k]]) if friction else 0.0
