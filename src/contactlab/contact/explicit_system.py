@@ -74,7 +74,7 @@ class ContactSystem:
         # `predicted` alone is off by dt^2 f/m, some per cent of a segment in pressed zones.
         for pair, memory in zip(self.passes, self.memories, strict=True):
             pair.update_pushed(predicted, compliance, force, memory)
-            if pair.friction is not None:
+            if pair.friction is not None and not pair.idle:
                 pair.compute_start_normals(current, memory)
 
     def rates(self, others: Any, step: float) -> Any:
