@@ -10,11 +10,14 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
 import pytest
 
 import contactlab
+from contactlab.api import StepStatus
 from contactlab.model.build import build
-from contactlab.parts.registry import default_registry
+from contactlab.model.memory import model_memory, restore_model
+from contactlab.parts.registry import Registry, default_registry
 from contactlab.results.results import ContactCurve
 from contactlab.scene.scene import Scene
 
@@ -96,3 +99,42 @@ def _run(changes: Mapping[str, Any], auto: bool) -> Ran:
     scene = scene.with_({"record.frames": 5})
     results = contactlab.simulate(scene if auto else short_ramp(scene))
     return Ran(results.summary, results.contact["contacts.0"].last, results.history)
+
+
+@pytest.fixture
+def taken_up() -> Callable[[Scene, Registry, float, int], tuple[Any, dict[str, Any]]]:
+    """Make steps of a scene, take it up half-way by new parts, with steps that are rejected or taken back between.
+
+    States are the same bits. Given are the model of the run as it was and its memory half-way.
+    """
+
+    def check(scene: Scene, registry: Registry, dt: float, steps: int) -> tuple[Any, dict[str, Any]]:
+        model, use = build(scene, registry), scene.integrator["use"]
+        bound, states = model.bound_integrator(), []
+        for number in range(steps):
+            if number == steps // 2:
+                saved = {name: np.copy(values) for name, values in model_memory(model).items()}
+            assert bound.step(dt).status is StepStatus.accepted
+            states.append(model.state.snapshot())
+
+        other = build(scene, registry)
+        restore_model(other, saved)
+        again = other.bound_integrator()
+        for number in range(steps // 2, steps):
+            before = {name: np.copy(values) for name, values in model_memory(other).items()}
+            if use == "central-difference":
+                again.step(0.5 * dt)
+                restore_model(other, before)
+            else:
+                motion = again.advance.__self__  # type: ignore[attr-defined]
+                iteration = (motion.statics if use == "newton" else motion.dynamics).iteration
+                most, iteration.most = iteration.most, 1
+                if again.step(1.7 * dt).status is StepStatus.accepted:  # an easy one: taken back by hand
+                    restore_model(other, before)
+                iteration.most = most
+                np.testing.assert_array_equal(other.state.buffer, states[number - 1])
+            assert again.step(dt).status is StepStatus.accepted
+            np.testing.assert_array_equal(other.state.buffer, states[number])
+        return model, saved
+
+    return check

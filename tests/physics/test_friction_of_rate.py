@@ -15,7 +15,6 @@ from scipy.linalg import expm
 import contactlab
 from contactlab.api import StepStatus
 from contactlab.model.build import build
-from contactlab.model.memory import model_memory, restore_model
 from contactlab.parts.registry import Registry
 from contactlab.scene.scene import Scene
 
@@ -139,7 +138,7 @@ def error_of_a_slide(integrator: dict[str, Any], steps: int, algorithm: str) -> 
 
 
 @pytest.mark.parametrize("use", ["central-difference", "implicit-dynamics", "newton"])
-def test_memory_survives_a_restart_and_no_step_that_fails_advances_it(use: str) -> None:
+def test_memory_survives_a_restart_and_no_step_that_fails_advances_it(use: str, taken_up: Any) -> None:
     """Taken up by new parts half-way, and with steps that are rejected or taken back: the same bits."""
     law = DIETERICH | {"speed": 1000.0, "length": 0.1}
     integrator = {"use": use} | ({"impacts": False} if use == "implicit-dynamics" else {})
@@ -148,35 +147,10 @@ def test_memory_survives_a_restart_and_no_step_that_fails_advances_it(use: str) 
         drawn_along = {"supports.0.ux": {"ramp": "linear", "to": 1.0}, "bodies.b.velocity": [0.0, 0.0]}
         scene = scene.with_(drawn_along)
     dt, steps = 1e-5, 8
-    model = build(scene, REGISTRY)
-    bound, states = model.bound_integrator(), []
-    for number in range(steps):
-        if number == steps // 2:
-            saved = {name: np.copy(values) for name, values in model_memory(model).items()}
-        assert bound.step(dt).status is StepStatus.accepted
-        states.append(model.state.snapshot())
+    model, _ = taken_up(scene, REGISTRY, dt, steps)
     theta = model.state["friction.contacts.0"][-1]
     assert model.contact is not None
     assert np.all(theta[model.state["multipliers"][0, model.contact.pairs[0].own] > 0.0] != 1e-4)
-
-    other = build(scene, REGISTRY)
-    restore_model(other, saved)
-    again = other.bound_integrator()
-    for number in range(steps // 2, steps):
-        before = {name: np.copy(values) for name, values in model_memory(other).items()}
-        if use == "central-difference":
-            again.step(0.5 * dt)
-            restore_model(other, before)
-        else:
-            motion = again.advance.__self__  # type: ignore[attr-defined]
-            iteration = (motion.statics if use == "newton" else motion.dynamics).iteration
-            most, iteration.most = iteration.most, 1
-            if again.step(1.7 * dt).status is StepStatus.accepted:  # an easy one: taken back by hand
-                restore_model(other, before)
-            iteration.most = most
-            np.testing.assert_array_equal(other.state.buffer, states[number - 1])
-        assert again.step(dt).status is StepStatus.accepted
-        np.testing.assert_array_equal(other.state.buffer, states[number])
 
 
 @pytest.mark.parametrize("dt", [1e-3, 1e-5])

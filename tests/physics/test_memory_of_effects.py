@@ -6,14 +6,11 @@ import math
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 import contactlab
-from contactlab.api import StepStatus
 from contactlab.errors import WrongAnswer
 from contactlab.model.build import build
-from contactlab.model.memory import model_memory, restore_model
 from contactlab.parts.registry import Registry
 from contactlab.scene.scene import Scene
 
@@ -70,37 +67,12 @@ def test_paths_are_followed_where_effects_remember() -> None:
 
 
 @pytest.mark.parametrize("use", ["central-difference", "implicit-dynamics", "newton"])
-def test_memory_survives_a_restart_and_no_step_that_fails_advances_it(use: str) -> None:
+def test_memory_survives_a_restart_and_no_step_that_fails_advances_it(use: str, taken_up: Any) -> None:
     """Taken up by new parts half-way, and with steps that are taken back: the same bits."""
     scene = held_back(use).with_({"materials.m.use": "neo-hookean"})
     dt, steps = 2e-7 if use == "central-difference" else 1e-5, 8
-    model = build(scene, REGISTRY)
-    bound, states = model.bound_integrator(), []
-    for number in range(steps):
-        if number == steps // 2:
-            saved = {name: np.copy(values) for name, values in model_memory(model).items()}
-        assert bound.step(dt).status is StepStatus.accepted
-        states.append(model.state.snapshot())
+    model, saved = taken_up(scene, REGISTRY, dt, steps)
     assert (model.state["effects.0"] != saved["state.effects.0"]).any()
-
-    other = build(scene, REGISTRY)
-    restore_model(other, saved)
-    again = other.bound_integrator()
-    for number in range(steps // 2, steps):
-        before = {name: np.copy(values) for name, values in model_memory(other).items()}
-        if use == "central-difference":
-            again.step(0.5 * dt)
-            restore_model(other, before)
-        else:
-            motion = again.advance.__self__  # type: ignore[attr-defined]
-            iteration = (motion.statics if use == "newton" else motion.dynamics).iteration
-            most, iteration.most = iteration.most, 1
-            if again.step(1.7 * dt).status is StepStatus.accepted:  # an easy one: taken back by hand
-                restore_model(other, before)
-            iteration.most = most
-            np.testing.assert_array_equal(other.state.buffer, states[number - 1])
-        assert again.step(dt).status is StepStatus.accepted
-        np.testing.assert_array_equal(other.state.buffer, states[number])
 
 
 FORGETFUL = """

@@ -11,10 +11,9 @@ import pytest
 from scipy.optimize import brentq
 
 import contactlab
-from contactlab.api import Floats, StepStatus
+from contactlab.api import Floats
 from contactlab.errors import PartError
 from contactlab.model.build import build
-from contactlab.model.memory import model_memory, restore_model
 from contactlab.parts.registry import Registry
 from contactlab.scene.scene import Scene
 
@@ -137,37 +136,12 @@ def test_what_wears_needs_friction_to_measure_slip() -> None:
 
 
 @pytest.mark.parametrize("use", ["central-difference", "implicit-dynamics", "newton"])
-def test_memory_survives_a_restart_and_no_step_that_fails_advances_it(use: str) -> None:
+def test_memory_survives_a_restart_and_no_step_that_fails_advances_it(use: str, taken_up: Any) -> None:
     """Taken up by new parts half-way, and with steps that are rejected or taken back: the same bits."""
     integrator = {"use": use} | ({"impacts": False} if use == "implicit-dynamics" else {})
     # more than the limit within the first step, in statics as well
     pushed = {"supports": [{"on": "b.top", "ux": 0.0, "uy": {"ramp": "linear", "to": -0.1, "duration": 1e-4}}]}
     scene = block(STIFF, integrator, **pushed).with_({"materials.m.use": "neo-hookean"})
     dt, steps = 2e-7 if use == "central-difference" else 1e-5, 120 if use == "central-difference" else 8
-    model = build(scene, REGISTRY)
-    bound, states = model.bound_integrator(), []
-    for number in range(steps):
-        if number == steps // 2:
-            saved = {name: np.copy(values) for name, values in model_memory(model).items()}
-        assert bound.step(dt).status is StepStatus.accepted
-        states.append(model.state.snapshot())
+    model, saved = taken_up(scene, REGISTRY, dt, steps)
     assert (model.state["pressure_law"] > saved["state.pressure_law"]).any()
-
-    other = build(scene, REGISTRY)
-    restore_model(other, saved)
-    again = other.bound_integrator()
-    for number in range(steps // 2, steps):
-        before = {name: np.copy(values) for name, values in model_memory(other).items()}
-        if use == "central-difference":
-            again.step(0.5 * dt)
-            restore_model(other, before)
-        else:
-            motion = again.advance.__self__  # type: ignore[attr-defined]
-            iteration = (motion.statics if use == "newton" else motion.dynamics).iteration
-            most, iteration.most = iteration.most, 1
-            if again.step(1.7 * dt).status is StepStatus.accepted:  # an easy one: taken back by hand
-                restore_model(other, before)
-            iteration.most = most
-            np.testing.assert_array_equal(other.state.buffer, states[number - 1])
-        assert again.step(dt).status is StepStatus.accepted
-        np.testing.assert_array_equal(other.state.buffer, states[number])
