@@ -115,9 +115,8 @@ class ClosestPoints(GapAlgorithm):
         shares = np.column_stack([np.ones(k), share - 1.0, -share])
         weight = (shares[:, :, None] * direction[:, None, :]).reshape(-1, 2)
         across = np.stack([weight[:, 1], -weight[:, 0]], axis=1) if tangent else np.zeros((0, 2))
-        x, segments = view.at.slave, view.slave.segments
-        measure = np.zeros(len(x))
-        np.add.at(measure, segments, 0.5 * np.hypot(*(x[segments[:, 1]] - x[segments[:, 0]]).T)[:, None])
+        measure = np.zeros(len(view.at.slave))
+        np.add.at(measure, view.slave.segments, 0.5 * view.slave.lengths(view.at.slave)[:, None])
         start = np.arange(0, 3 * k + 1, 3, dtype=np.int32)
         return GapConditions(
             start, node.ravel(), weight, across, found.distance[chosen], measure[owner], owner.astype(np.int32)

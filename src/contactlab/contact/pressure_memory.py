@@ -23,7 +23,7 @@ class PressureMemory:
     """
 
     def __init__(self, law: NormalLaw, pairs: tuple[ContactPair, ...], state: State, reference: Floats) -> None:
-        self.law, self.state, self.kept = law, state, state["pressure_law"]
+        self.law, self.kept = law, state["pressure_law"]
         self.rows = dict(zip(kept_by(law), self.kept, strict=True))
         nodes = np.concatenate([np.tile(pair.slave.nodes, pair.rows_per_node) for pair in pairs])
         self.points = reference[nodes]

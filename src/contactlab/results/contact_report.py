@@ -131,7 +131,7 @@ def _covered(pair: ContactPair, seen: ContactSnapshot) -> Floats:
         return np.asarray(np.divide(cover, full, out=np.zeros_like(cover), where=full > 0.0))
     lengths = np.zeros(len(pair.slave.nodes))
     a, b = pair.slave.segments.T
-    half = 0.5 * np.hypot(*(seen.at.slave[b] - seen.at.slave[a]).T)
+    half = 0.5 * pair.slave.lengths(seen.at.slave)
     np.add.at(lengths, a, half)
     np.add.at(lengths, b, half)
     return np.asarray(by_slot(pair, seen.cover).max(axis=0) / lengths)

@@ -51,8 +51,7 @@ class Chains:
     @property
     def spacing(self) -> float:
         """Longest segment of both [mm]."""
-        sides = ((s, self.nodes[s.nodes]) for s in (self.slave, self.master))
-        return max(float(np.hypot(*(x[s.segments[:, 1]] - x[s.segments[:, 0]]).T).max()) for s, x in sides)
+        return max(float(side.lengths(self.nodes[side.nodes]).max()) for side in (self.slave, self.master))
 
 
 def rotation(angle: float) -> Floats:
