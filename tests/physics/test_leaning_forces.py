@@ -35,6 +35,8 @@ def test_a_mortar_is_held_at_a_corner_and_else_told(monkeypatch: pytest.MonkeyPa
     # 8 %: vibrations of the block when it is put down, 5 %, and as it tips
     assert largest[:2] == pytest.approx([4.0, 4.0], rel=0.08)
     assert largest[2] > 1.5 * largest[1]
+    # what a corner gives a node stands on no less than half of the length of an end node, half a segment of 0.25 mm
+    assert held.summary["peaks"]["contacts"]["contacts.0"]["pressure"]["value"] < largest[0] / (0.5 * 0.125)
 
 
 def test_a_master_of_two_bodies_is_no_corner() -> None:

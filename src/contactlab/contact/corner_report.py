@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from contactlab.contact.corner_pair import CornerPair
     from contactlab.contact.operator_pair import OperatorPair
 
+LEAST = 0.5  # of its length: over less of it, no node spreads what a corner gives it
+
 
 def with_corners(pair: OperatorPair, seen: ContactSnapshot, multipliers: Floats) -> ContactSnapshot:
     """The snapshot of a mortar's pair with forces at its nodes, among them those at corners.
@@ -27,7 +29,8 @@ def with_corners(pair: OperatorPair, seen: ContactSnapshot, multipliers: Floats)
     tractions = np.stack([pair.tractions(force) for force in forces])
     pointed = corners.at_nodes(np.zeros_like(forces))
     taken = [k for moved in corners.moved for k in (moved.slot, moved.partner)]
-    if len(taken) and tractions[0, taken].min() < 0.0:
+    enough = seen.cover >= LEAST * pair.full
+    if len(taken) and (tractions[0, taken].min() < 0.0 or not enough[taken].all()):
         spread = seen.forces.copy()
         spread[:, [moved.slot for moved in corners.moved]] = 0.0
         tractions, pointed = np.stack([pair.tractions(force) for force in spread]), forces - spread
@@ -44,7 +47,9 @@ def with_corners(pair: OperatorPair, seen: ContactSnapshot, multipliers: Floats)
         forces[1, nodes] = (total * turned(normals[nodes])).sum(axis=1)
         pointed[:, nodes] += forces[:, nodes] - before
     bears = pointed.any(axis=0)
-    cover[bears] = np.where(cover[bears] > 0.0, cover[bears], pair.full[bears])
+    tractions[:, bears & ~enough] = 0.0
+    pointed[:, bears & ~enough] = forces[:, bears & ~enough]
+    cover[bears] = np.where(enough, cover, np.where(cover > 0.0, LEAST, 1.0) * pair.full)[bears]
     tractions[:, bears] += pointed[:, bears] / cover[bears]
     return ContactSnapshot(seen.at, gaps, normals, cover, forces, tractions)
 
