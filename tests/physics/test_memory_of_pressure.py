@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import math
 from pathlib import Path
 from typing import Any
@@ -128,6 +129,10 @@ def test_wear_is_pressure_times_slip(use: str) -> None:
     expected = push / (wear * way) * -math.expm1(-wear * series * way)
     found = np.abs(results.history["contacts.0.fy"][-1]) / WIDTH
     assert found == pytest.approx(expected, rel=4e-3 if use == "newton" else 8e-3)
+    worn = results.contact["contacts.0"].last.memory["worn"]
+    # a load step is worn at its end, when its pressure is known
+    allowed = wear * expected * way / 25 if use == "newton" else 8e-3 * expected / series
+    np.testing.assert_allclose(worn, push - expected / series, atol=allowed)
 
 
 def test_what_wears_needs_friction_to_measure_slip() -> None:
@@ -145,3 +150,21 @@ def test_memory_survives_a_restart_and_no_step_that_fails_advances_it(use: str, 
     dt, steps = 2e-7 if use == "central-difference" else 1e-5, 120 if use == "central-difference" else 8
     model, saved = taken_up(scene, REGISTRY, dt, steps)
     assert (model.state["pressure_law"] > saved["state.pressure_law"]).any()
+
+
+def test_what_laws_remember_is_in_every_output(tmp_path: Path) -> None:
+    """In `contact.csv`, the summary, stored results and the timeline; of a restart from the stored results, too."""
+    law = {"use": "worn-layer", "stiffness": 500.0, "wear": 2e-4}
+    supports = [{"on": "b.top", "ux": {"ramp": "linear", "to": 0.1}, "uy": -0.01}]
+    scene = block(law, {"use": "newton", "steps": 4}, supports=supports).with_(
+        {"contacts.0.friction": {"use": "coulomb", "mu": 0.2}}
+    )
+    results = contactlab.simulate(scene, out=tmp_path / "run")
+    curves = contactlab.load_results(tmp_path / "run").contact["contacts.0"].curves
+    assert curves == results.contact["contacts.0"].curves
+    worn = [curve.memory["worn"] for curve in curves]
+    assert (np.diff(worn, axis=0) > 0.0).all()
+    rows = list(csv.DictReader((tmp_path / "run" / "contact.csv").open()))
+    assert [float(row["memory.worn"]) for row in rows] == worn[-1].tolist()
+    ends = {"least": worn[-1].min(), "most": worn[-1].max()}
+    assert results.summary["contacts"]["contacts.0"]["memory"] == {"worn": ends}

@@ -6,6 +6,7 @@ import re
 import resource
 import warnings
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -242,6 +243,24 @@ def test_profiles_are_the_contact_curves(run: Results, reader: Reader) -> None:
     assert "s along disc.arc [mm]" in labels
     ticks = [float(label) for label in labels if label.replace(".", "").replace("-", "").isdigit()]
     assert max(ticks) <= 1.05 * max(expected)
+
+
+def test_memories_have_a_plot_and_a_column(run: Results, tmp_path: Path) -> None:
+    """What laws remember, here the arc length in place of a wear that grows from frame to frame."""
+    contact = replace(run.layout.contacts[0], memory=("worn",))
+    frames = [
+        replace(f, curves={n: replace(c, memory={"worn": f.number * c.s}) for n, c in f.curves.items()})
+        for f in run.frames
+    ]
+    read = again(replace(run, layout=replace(run.layout, contacts=(contact,)), frames=frames), tmp_path / "again")
+    strips = read.rows("/again/memory-worn-along/contacts.0/worn", "LineStrips3D:strips")
+    assert strips.steps.tolist() == [frame.step for frame in frames]
+    assert "worn" in read.constant("/axes/0-memory-worn/labels", "Points3D:labels")
+    ends = [strip[0][-1][1] - strip[0][0][1] for strip in strips.values]
+    # heights are proportional to the memory; they are whole grains
+    assert np.allclose(ends, np.arange(len(ends)) * ends[-1] / (len(ends) - 1), atol=2 * GRAIN * ends[-1])
+    table = read.rows("/again/numbers/contacts.0", "TextDocument:text").values[-1][0]
+    assert "| worn |" in table
 
 
 def test_gaps_are_those_of_the_contact_curves(run: Results, reader: Reader) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Protocol
 
 import numpy as np
@@ -35,6 +35,7 @@ class ContactCurve:
     gap             [mm], nan where the node is not covered
     state           0 open, 1 stick, 2 slip (frictionless contact counts as slip)
     chain           number of the chain that the node belongs to, from 0; sharp corners cut a surface into chains
+    memory          what laws of the contact remember, by name
     """
 
     s: Floats
@@ -46,6 +47,7 @@ class ContactCurve:
     gap: Floats
     state: Ints
     chain: Ints
+    memory: Mapping[str, Floats] = field(default_factory=dict)
 
     COLUMNS: ClassVar[tuple[str, ...]] = (
         "s", "x", "y", "pressure", "shear", "nodal_pressure", "gap", "state", "chain"
@@ -55,9 +57,9 @@ class ContactCurve:
         """Whether all numbers are the same, nan equal to nan."""
         if not isinstance(other, ContactCurve):
             return NotImplemented
-        return all(
-            np.array_equal(getattr(self, name), getattr(other, name), equal_nan=name not in ("state", "chain"))
-            for name in self.COLUMNS
+        one, two = self.columns(), other.columns()
+        return one.keys() == two.keys() and all(
+            np.array_equal(one[name], two[name], equal_nan=name not in ("state", "chain")) for name in one
         )
 
     __hash__ = None  # type: ignore[assignment]
@@ -65,6 +67,19 @@ class ContactCurve:
     def __repr__(self) -> str:
         closed, most = int(np.count_nonzero(self.state)), float(np.max(self.pressure, initial=0.0))
         return f"ContactCurve({len(self.s)} nodes, {closed} closed, pressure up to {most:.4g})"
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """All arrays (m,) by the names that `contact.csv` has: "memory.wear" is the wear that a law remembers."""
+        named = {name: getattr(self, name) for name in self.COLUMNS}
+        return named | {f"memory.{name}": values for name, values in self.memory.items()}
+
+    @classmethod
+    def of_table(cls, values: Sequence[Floats] | Floats, memory: Sequence[str] = ()) -> ContactCurve:
+        """The curve whose `columns` are these arrays of floats: the usual ones, then those of `memory`."""
+        usual, more = values[: len(cls.COLUMNS)], values[len(cls.COLUMNS) :]
+        known: dict[str, Any] = dict(zip(cls.COLUMNS, map(np.array, usual), strict=True))
+        known |= {name: known[name].astype(np.int32) for name in ("state", "chain")}
+        return cls(**known, memory=dict(zip(memory, map(np.array, more), strict=True)))
 
     def plot(self, units: str = "", ax: Axes | None = None) -> Figure:
         """Draw pressure and shear along the slave; `units` is the label of a scene, `ax` matplotlib axes."""
@@ -103,6 +118,7 @@ class ContactLayout:
     slave, master    edge sets in these roles, "disc.arc"
     *_nodes (m,)     global node numbers of each surface
     *_segments (s, 2)  straight segments, as positions in those
+    memory           names of what its laws remember of each slave node
     """
 
     name: str
@@ -115,6 +131,7 @@ class ContactLayout:
     slave_segments: Ints
     master_nodes: Ints
     master_segments: Ints
+    memory: tuple[str, ...] = ()
 
     @property
     def title(self) -> str:

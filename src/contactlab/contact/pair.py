@@ -85,6 +85,7 @@ class ContactPair(ABC):
     half       whether forces act on the slave alone, as another pass has the sides exchanged
     second     whether it is that other pass, or one of points at corners: no report shows it
     points     the pair of points at corners of the master, whose forces are reported with those of this one
+    memory     (k,) what laws remember of each multiplier, by name: parts of the state
     evaluated  whether the conditions are those of the last accepted step
     search_s   wall time [s] spent on near lists
     """
@@ -131,6 +132,7 @@ class ContactPair(ABC):
         self.sliding = sliding_of(friction, self.slots, self.at)
         self.half = self.second = self.evaluated = False
         self.points: ContactPair | None = None
+        self.memory: dict[str, Floats] = {}
         self._view: ContactView | None = None
         self.search_s = 0.0
 

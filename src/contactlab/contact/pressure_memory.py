@@ -30,6 +30,9 @@ class PressureMemory:
         self.fields: Mapping[str, Callable[[float], Any]] = {}
         self.time = self.dt = 0.0
         remember(law, "start", law.start(), self.rows)
+        for pair in pairs:
+            known = {name: self.rows[name][pair.own] for name in law.memory}
+            pair.memory.update({f"pressure.{name}" if name in pair.memory else name: v for name, v in known.items()})
 
     def begin_step(self, time: float, dt: float) -> None:
         """Gaps are those of `time` [s], in a step of `dt` [s]."""

@@ -82,6 +82,7 @@ class VaryingSliding(Sliding):
         self.kept = state[f"friction.{pair.name}"]
         self.remembered = dict(zip(self.law.memory, self.kept[len(self.kept) - len(self.law.memory) :], strict=True))
         remember(self.law, "start", self.law.start(), self.remembered)
+        pair.memory.update(self.remembered)
         segments, size = pair.slave.segments, np.zeros(len(pair.slave.nodes))
         length = np.linalg.norm(np.diff(pair.at.slave[segments], axis=1)[:, 0], axis=1)
         np.add.at(size, segments, 0.5 * length[:, None])

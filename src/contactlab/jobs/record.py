@@ -59,6 +59,7 @@ def to_bytes(record: Record) -> bytes:
         {
             "status": record.status, "reason": record.reason, "summary": _plain(record.summary),
             "events": list(record.events), "curves": {name: len(c) for name, c in record.curves.items()},
+            "memory": {name: list(curves[-1].memory) for name, curves in record.curves.items() if curves},
         }
     )  # fmt: skip
     arrays = {"record": np.frombuffer(text.encode(), np.uint8), **dict(_flat(record))}
@@ -78,7 +79,7 @@ def _flat(record: Record) -> Iterator[tuple[str, Any]]:
         yield f"field/{name}", getattr(record, name)
     for name, curves in record.curves.items():
         for number, curve in enumerate(curves):
-            yield f"curves/{name}/{number}", np.array([getattr(curve, column) for column in ContactCurve.COLUMNS])
+            yield f"curves/{name}/{number}", np.array(list(curve.columns().values()))
     for watch, found in record.watched.items():
         for name, values in found.items():
             yield f"watched/{watch}/{name}", values
@@ -98,20 +99,16 @@ def from_bytes(data: bytes) -> Record:
     for name, values in groups["watched"].items():
         watch, _, key = name.partition("/")
         watched.setdefault(watch, {})[key] = values
+    memory = head.get("memory", {})
     return Record(
         status=head["status"], reason=head["reason"], summary=head["summary"], events=head["events"],
         curves={
-            name: [_curve(groups["curves"][f"{name}/{k}"]) for k in range(count)]
+            name: [ContactCurve.of_table(groups["curves"][f"{name}/{k}"], memory.get(name, ())) for k in range(count)]
             for name, count in head["curves"].items()
         },
         watched=watched,
         **fields,
     )  # fmt: skip
-
-
-def _curve(values: Any) -> ContactCurve:
-    columns = dict(zip(ContactCurve.COLUMNS, values, strict=True))
-    return ContactCurve(**columns | {name: columns[name].astype(np.int32) for name in ("state", "chain")})
 
 
 def _plain(value: Any) -> Any:

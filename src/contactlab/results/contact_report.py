@@ -96,6 +96,7 @@ def report_contact(pair: ContactPair, state: State, reference: Floats, position:
         gap=values["gap"],
         state=values["state"],
         chain=along.chain,
+        memory={name: _remembered(pair, values) for name, values in pair.memory.items()},
     )
     return ContactReport(
         curve=curve,
@@ -122,6 +123,12 @@ def _per_length(seen: ContactSnapshot) -> Floats:
     forces = seen.forces[0]
     pressed = (forces > 0.0) & (seen.cover > 0.0)
     return np.asarray(np.divide(forces, seen.cover, out=np.zeros_like(forces), where=pressed))
+
+
+def _remembered(pair: ContactPair, values: Floats) -> Floats:
+    """Memory (m,) of the slave nodes: of several multipliers of a node that of largest magnitude."""
+    slots = by_slot(pair, values)
+    return between(pair, np.take_along_axis(slots, np.abs(slots).argmax(axis=0)[None], axis=0)[0])
 
 
 def _covered(pair: ContactPair, seen: ContactSnapshot) -> Floats:

@@ -109,11 +109,14 @@ def write_contacts(folder: Path, contacts: Mapping[str, ContactHistory]) -> None
     """Write `contact.csv`: the last stored curve of every contact."""
     with (folder / "contact.csv").open("w", newline="") as file:
         writer = csv.writer(file)
-        writer.writerow(("contact", *ContactCurve.COLUMNS))
-        for name, history in contacts.items():
-            if history.curves:
-                columns = [getattr(history.last, column) for column in ContactCurve.COLUMNS]
-                writer.writerows((name, *values) for values in zip(*columns, strict=True))
+        known = {name: history.last.columns() for name, history in contacts.items() if history.curves}
+        names = tuple(
+            dict.fromkeys([*ContactCurve.COLUMNS, *(column for columns in known.values() for column in columns)])
+        )
+        writer.writerow(("contact", *names))
+        for name, columns in known.items():
+            nothing = [""] * len(columns["s"])
+            writer.writerows((name, *row) for row in zip(*(columns.get(n, nothing) for n in names), strict=True))
 
 
 def write_summary(folder: Path, summary: Mapping[str, Any]) -> None:

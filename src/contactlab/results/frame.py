@@ -63,6 +63,7 @@ def _contact(pair: ContactPair, spec: Contact) -> ContactLayout:
         slave_segments=pair.slave.segments,
         master_nodes=pair.master.nodes,
         master_segments=pair.master.segments,
+        memory=tuple(pair.memory),
     )
 
 

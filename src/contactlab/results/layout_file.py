@@ -40,7 +40,7 @@ def _words(layout: Layout) -> dict[str, Any]:
         for b in layout.bodies
     ]
     contacts = [
-        {key: getattr(c, key) for key in ("name", "label", "algorithm", "slave", "master", "friction")}
+        {key: getattr(c, key) for key in ("name", "label", "algorithm", "slave", "master", "friction", "memory")}
         for c in layout.contacts
     ]
     return {
@@ -68,7 +68,10 @@ def read_layout(own: h5py.Group) -> Layout:
         for body in words.pop("bodies")
     )
     contacts = tuple(
-        ContactLayout(**contact, **{name: sealed(own, f"contacts/{contact['name']}/{name}") for name in _SURFACES})
+        ContactLayout(
+            **{**contact, "memory": tuple(contact.get("memory", ()))},
+            **{name: sealed(own, f"contacts/{contact['name']}/{name}") for name in _SURFACES},
+        )
         for contact in words.pop("contacts")
     )
     words.update({key: tuple(words[key]) for key in ("supports", "steps")})

@@ -11,7 +11,7 @@ from typing import Any, TypeVar, cast
 import numpy as np
 
 from contactlab.api.arrays import Floats
-from contactlab.api.frame import Iterate, IterationRow
+from contactlab.api.frame import ContactCurve, Iterate, IterationRow
 from contactlab.api.thinning import Thinning
 from contactlab.arguments import NAME, arguments
 from contactlab.errors import RequestError, one_line
@@ -29,7 +29,7 @@ from contactlab.results.layout_file import read_layout
 from contactlab.results.result_file import FILE
 from contactlab.results.results import ContactHistory, Results
 from contactlab.results.stored_file import check_storage, opened
-from contactlab.results.stored_frames import StoredFrames, curve_of
+from contactlab.results.stored_frames import StoredFrames
 from contactlab.results.stored_rows import StoredRows, up_to
 from contactlab.results.stored_text import read_columns, read_text
 from contactlab.results.thinned_table import pieces_of, thinning_of
@@ -217,7 +217,7 @@ class _Reader:
         for contact in self.layout.contacts:
             table = self._rows(f"curves of {contact.name}", self.own[f"contacts/{contact.name}/curves"])
             record = stored_record(self.own, self.folder, self.layout, contact, self.recorded, self.salvage)
-            curves = [curve_of(values) for values in table]
+            curves = [ContactCurve.of_table(values.T, contact.memory) for values in table]
             found[contact.name] = ContactHistory(list(times), curves, record)
         return found
 

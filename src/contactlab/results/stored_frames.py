@@ -74,7 +74,10 @@ class StoredFrames(StoredSequence[Frame]):
             step=int(scalars["step"]),
             time=scalars["time"],
             scalars=scalars,
-            curves={c.name: curve_of(self._curve(file, sums, c.name, number)) for c in self.layout.contacts},
+            curves={
+                c.name: ContactCurve.of_table(self._curve(file, sums, c.name, number).T, c.memory)
+                for c in self.layout.contacts
+            },
             displacement=vectors["displacement"],
             velocity=vectors.get("velocity", np.zeros((0, 2))),
             cells=self._cells(file, sums, number),
@@ -99,9 +102,3 @@ class StoredFrames(StoredSequence[Frame]):
             own = ("von_mises", *body.shown_variables)
             found[body.name] = {"stress": fields["stress"][part, :4]} | {name: fields[name][part] for name in own}
         return found
-
-
-def curve_of(values: Floats) -> ContactCurve:
-    """The contact curve whose columns are those of a table (m, columns) of the file."""
-    columns: dict[str, Any] = {name: values[:, i].copy() for i, name in enumerate(ContactCurve.COLUMNS)}
-    return ContactCurve(**columns | {name: columns[name].astype(np.int32) for name in ("state", "chain")})

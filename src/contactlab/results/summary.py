@@ -147,7 +147,16 @@ def _contact(report: ContactReport) -> dict[str, Any]:
         "most_negative": report.most_negative,
         "active": report.active,
         "sticking": report.sticking,
+        **(
+            {"memory": {name: _ends(values) for name, values in memory.items()}}
+            if (memory := report.curve.memory)
+            else {}
+        ),
     }
+
+
+def _ends(values: Floats) -> dict[str, float]:
+    return {"least": float(values.min()), "most": float(values.max())}
 
 
 def _derived(model: Model, name: str) -> dict[str, Any]:

@@ -60,7 +60,7 @@ class VtkHdf(Recorder):
 
     def disk_bytes(self, layout: Layout, steps: float, memory: float) -> float:
         """Frames, steps, twice what a restart needs with a summary, and headers."""
-        curves = 8.0 * len(ContactCurve.COLUMNS) * sum(len(contact.slave_nodes) for contact in layout.contacts)
+        curves = 8.0 * sum(_columns(contact) * len(contact.slave_nodes) for contact in layout.contacts)
         frames = layout.frames * (frame_bytes(layout) + curves + FRAME_METADATA)
         beside = METADATA + (ROOM if layout.contacts else 0.0)
         kept = STEP_ROWS * -(-min(steps, most_steps(layout)) // STEP_ROWS)  # in whole chunks
@@ -124,7 +124,7 @@ class VtkHdfRecording(Recording):
         self.grid.write(row, frame)
         for name, column in self.curves.items():
             curve = frame.curves[name]
-            column.write(row, np.stack([getattr(curve, key) for key in ContactCurve.COLUMNS], axis=1))
+            column.write(row, np.stack(list(curve.columns().values()), axis=1))
         self.history.write(row, [float(value) for value in frame.scalars.values()])
         self.sums.write(row, [column.sum for column in self._summed().values()])
         self._show_steps()
@@ -278,6 +278,10 @@ def most_steps(layout: Layout) -> int:
     return max(4 * RECENT, int(SHARE * layout.budget * MEGABYTE / (8 * (len(layout.steps) + 1))))
 
 
+def _columns(contact: ContactLayout) -> int:
+    return len(ContactCurve.COLUMNS) + len(contact.memory)
+
+
 def _curves(own: h5py.Group, contact: ContactLayout) -> Column:
-    shape = (len(contact.slave_nodes), len(ContactCurve.COLUMNS))
+    shape = (len(contact.slave_nodes), _columns(contact))
     return Column(own[f"contacts/{contact.name}"], "curves", "f8", 1, shape)

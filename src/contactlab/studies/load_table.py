@@ -105,8 +105,10 @@ def _curve(folder: Path, contact: str) -> ContactCurve | None:
     rows = [row for row in read_csv(folder / "contact.csv") if row["contact"] == contact]
     if not rows:
         return None
-    columns = {name: np.array([float(row[name]) for row in rows]) for name in ContactCurve.COLUMNS}
-    return ContactCurve(**columns | {name: columns[name].astype(np.int32) for name in ("state", "chain")})
+    # other contacts have memories of their own
+    memory = [name for name, value in rows[0].items() if name.startswith("memory.") and value]
+    values = [np.array([float(row[name]) for row in rows]) for name in (*ContactCurve.COLUMNS, *memory)]
+    return ContactCurve.of_table(values, [name.partition(".")[2] for name in memory])
 
 
 def _reference(data: Mapping[str, Any] | None) -> Reference | None:

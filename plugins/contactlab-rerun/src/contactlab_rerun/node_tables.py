@@ -50,6 +50,9 @@ def table(run: Gathered, contact: ContactLayout, frame: int, row: np.void | None
     if contact.friction:
         names.append(f"shear{stress}")
         columns.append(_words(surface.shear[frame]))
+    for name, values in instant.curves[contact.name].memory.items():
+        names.append(name)
+        columns.append(_words(values))
     if row is not None:
         closed = surface.state[frame] != OPEN
         faced = (row["segment"] != NO_SEGMENT) & closed

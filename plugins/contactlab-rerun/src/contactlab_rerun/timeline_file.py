@@ -19,6 +19,7 @@ from contactlab_rerun.drawing import FEW_CELLS, OUTLINE, Drawing, Scale, model_b
 from contactlab_rerun.gathered import NO_FIELD, PRESSURE, VON_MISES, Appearance, Gathered, nice
 from contactlab_rerun.iterations import log_newton
 from contactlab_rerun.length_curves import log_lengths
+from contactlab_rerun.memory_curves import log_memories
 from contactlab_rerun.node_tables import log_tables
 from contactlab_rerun.notes import log_events, log_iterations, log_page, log_state_tracks, track_folders
 from contactlab_rerun.opening import OPENS
@@ -151,8 +152,8 @@ class TimelineFile:
         return few if self.options.wire == "auto" else bool(self.options.wire)
 
     def _profiles(self) -> list[Profile]:
-        """Plots for each slave surface, with the curves of all runs on them: pressures first, then gaps and slips."""
-        pressures, lengths = [], []
+        """Plots for each slave surface, with curves of all runs: pressures first, then memories, gaps and slips."""
+        pressures, memories, lengths = [], [], []
         for number, slave in enumerate(dict.fromkeys(c.slave for run, _, _ in self.runs for c in run.layout.contacts)):
             these = [
                 (contact.name, run, appearance)
@@ -164,8 +165,9 @@ class TimelineFile:
             profile = profile_of(contact, [(name, run) for name, run, _ in these], f"/axes/{number}", self._hang)
             log_profile(self.recording, profile, these)
             pressures.append(profile)
+            memories += log_memories(self.recording, profile, these)
             lengths += [log_lengths(self.recording, profile, these, what) for what in ("gap", "slip")]
-        return [*pressures, *(profile for profile in lengths if profile)]
+        return [*pressures, *memories, *(profile for profile in lengths if profile)]
 
 
 def _ended(title: str, summary: Mapping[str, Any]) -> str:

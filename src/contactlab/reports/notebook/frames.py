@@ -43,7 +43,7 @@ def unit_of(column: str, units: Units) -> str:
 
 def curve_frame(curve: ContactCurve) -> Any:
     """A row per slave node."""
-    return library("pandas", "to_frame").DataFrame({name: getattr(curve, name) for name in curve.COLUMNS})
+    return library("pandas", "to_frame").DataFrame(curve.columns())
 
 
 def table_frame(table: Table) -> Any:
