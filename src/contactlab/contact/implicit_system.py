@@ -23,7 +23,7 @@ from contactlab.contact.sliding import varying
 
 if TYPE_CHECKING:
     from contactlab.contact.potential_pair import PotentialPair
-    from contactlab.contact.pressure_response import PressureResponse, PressureStore
+    from contactlab.contact.pressure_response import PressureStore
     from contactlab.contact.step_rows import StepRows
 
 HELD = 0.1  # flexibility along the surface over that of the node: chains end with the normal of half a facet's turn
@@ -64,7 +64,9 @@ class ImplicitContactSystem:
         # statics have no start of a step that anything would have to hold to
         self.follows_gaps, self.consistent = follows_gaps, follows_gaps and "velocity" in state
         self.linear = tuple(
-            linearised(pair, nodes, follows_gaps, self.consistent) for pair in pairs if not pair.by_energy
+            linearised(pair, nodes, follows_gaps, self.consistent, not enforcement.exact)
+            for pair in pairs
+            if not pair.by_energy
         )
         self.conditions = _conditions(pairs, state["multipliers"], self.friction)
         self.pace = 1.0
@@ -76,7 +78,6 @@ class ImplicitContactSystem:
         self.factored = None  # conditions that are never written as `FactoredRows`
         self.seconds = 0.0
         self.store: PressureStore | None = None  # of a normal law
-        self.remembers: PressureResponse | None = None  # a normal law that follows more than the gap
         self.varying = varying(pairs, state)
 
     @property
@@ -106,14 +107,17 @@ class ImplicitContactSystem:
             self.conditions.force[:, potential.own] = 0.0
         for pair, sliding in self.varying:
             sliding.begin_step(pair, time, time - self.state.time)
-        if self.remembers is not None and self.remembers.memory is not None:
-            self.remembers.memory.begin_step(time, time - self.state.time)
+        if self.store is not None and self.store.memory is not None:
+            self.store.memory.begin_step(time, time - self.state.time)
         self._release(time)
         middle = position
         if self.consistent:
             middle = position + 0.5 * (time - self.state.time) * self.state["velocity"]
         for linear in self.linear:
             linear.begin(self.state.time, position, middle)
+        if self.store is not None and self.consistent:
+            for linear in self.linear:
+                self.store.start[linear.pair.own] = linear.gap
         self.conditions.anchor[:] = self.conditions.force
 
     def _release(self, time: float) -> None:
@@ -148,8 +152,8 @@ class ImplicitContactSystem:
             linear.accept()
         for potential in self.potentials:
             potential.accept(self.multipliers)
-        if self.remembers is not None:
-            self.remembers.accept(self.conditions)
+        if self.store is not None:
+            self.store.accept(self.conditions)
         for pair, sliding in self.varying:
             sliding.accept(pair, self.conditions.slip[pair.own], self.conditions.force[0, pair.own])
         for coupling, freedom in self._couplings():

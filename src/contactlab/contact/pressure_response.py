@@ -12,12 +12,14 @@ from contactlab.api.frame import OPEN, SLIP, STICK
 from contactlab.contact.pair import ContactPair, initial_gaps
 from contactlab.contact.pressure_memory import PressureMemory, named
 
+POINTS, WEIGHTS = 0.5 * (np.polynomial.legendre.leggauss(4)[0] + 1.0), 0.5 * np.polynomial.legendre.leggauss(4)[1]
 DOUBLED = 30  # times that a depth is, until the law gives a force there
 
 
 class PressureStore:
     """Energy of surfaces: length times the integral of the pressure over conditions, at the positions of the last ones.
 
+    start      (k,) [mm] gaps at the start of an implicit step in time
     stiffness  (k,) [MPa/mm] of the cells behind each slot
     memory     numbers beside the gap; None for a law of the gap alone
     beginning  [mJ] at the start of the run
@@ -32,6 +34,7 @@ class PressureStore:
         memory: PressureMemory | None = None,
     ) -> None:
         self.law, self.pairs, self.stiffness, self.memory = law, pairs, stiffness, memory
+        self.start = np.full(len(stiffness), np.inf)
         for pair in pairs:
             initial_gaps(pair, reference)
         self.beginning = 0.0
@@ -55,6 +58,12 @@ class PressureStore:
     def since_start(self) -> float:
         """What has come to it since the start [mJ]."""
         return self.energy() - self.beginning
+
+    def accept(self, c: Conditions) -> None:
+        """Remember an implicit step that ends at the conditions as they are."""
+        if self.memory is not None:
+            gap = np.where(c.present, c.gap, self.law.begins())
+            self.memory.accept(gap, self.stiffness, c.size, c.slip if len(c.slip) else None)
 
 
 class PressureResponse(ImplicitEnforcement):
@@ -106,12 +115,6 @@ class PressureResponse(ImplicitEnforcement):
         beside = named(self.memory, slice(None))
         self.law.pressure(np.minimum(gap, self.first), self.stiffness, size, out[0], out[1], **beside)
 
-    def accept(self, c: Conditions) -> None:
-        """Remember a step that ends at the conditions as they are."""
-        if self.memory is not None:
-            gap = np.where(c.present, c.gap, self.first)
-            self.memory.accept(gap, self.stiffness, c.size, c.slip if len(c.slip) else None)
-
     def _hold(self, c: Conditions, stays: Flags) -> Flags:
         """Fill `found` of conditions that stay closed with tangents at their force; those for which there is one."""
         wish = np.divide(c.force[0], c.measure, out=np.zeros_like(c.measure), where=stays & (c.measure > 0.0))
@@ -129,6 +132,34 @@ class PressureResponse(ImplicitEnforcement):
         there[0] = np.minimum(there[0] + there[1] * (c.gap - gap), 0.0)
         self.found[:, held] = there[:, held]
         return held
+
+
+class MeanPressureResponse(PressureResponse):
+    """Residuals of mean pressures over a step in time, whose work is what surfaces store (Armero & Petocz 1998).
+
+    start  (k,) [mm] gaps at the start of the step
+    """
+
+    def __init__(self, law: NormalLaw, stiffness: Floats, start: Floats, memory: PressureMemory | None) -> None:
+        super().__init__(law, stiffness, memory)
+        self.start = start
+
+    def answer(self, gap: Floats, size: Floats, out: Floats) -> None:
+        """Fill `out` (2, k) with means over gaps from the start to `gap` (k,) [mm], and their derivatives by that."""
+        beside, first = named(self.memory, slice(None)), self.first
+        begin, end = np.minimum(self.start, first), np.minimum(gap, first)
+        pressure, slope = np.zeros_like(gap), np.zeros_like(gap)
+        out[:] = 0.0
+        for share, weight in zip(POINTS, WEIGHTS, strict=True):
+            self.law.pressure(begin + share * (end - begin), self.stiffness, size, pressure, slope, **beside)
+            out += weight * np.stack([pressure, share * slope])
+        # one part of the way is beyond the gap at which the law begins
+        crosses = (gap >= first) != (self.start >= first)
+        if crosses.any():
+            self.law.pressure(end, self.stiffness, size, pressure, slope, **beside)
+            way = np.where(crosses, gap - self.start, 1.0)
+            out[0] = np.where(crosses, (end - begin) / way * out[0], out[0])
+            out[1] = np.where(crosses, (np.where(gap < first, pressure, 0.0) - out[0]) / way, out[1])
 
 
 def rub(c: Conditions, out: Response) -> None:

@@ -74,7 +74,7 @@ def _built(scene: Scene, registry: Registry) -> Model:
     forces = _bind_all(scene.threads, bodies, reference, position, increment, state, model_class.explicit)
     _initial_velocity(scene, bodies, reference, mass, state, told)
     driven = any(supports.moving) or bool(scene.loads or scene.effects)
-    contact = _contact(plans, bodies, reference, prescribed.dof, state, mass, timing.ramp, driven, forces, position)
+    contact = _contact(plans, bodies, forces, reference, position, state, mass, prescribed.dof, timing.ramp, driven)
     _split_work(scene, integrator, contact, state, reference)
     effects = _effects(made, scene, registry, bodies, rigid, reference, state, told)
     loads = _loads(scene, bodies, reference, position, timing.ramps, told)
@@ -169,9 +169,9 @@ def _refuse_impossible(scene: Scene, *arguments: Any) -> None:
 def _contact(plans: tuple[Any, ...], *arguments: Any) -> Any:
     if not plans:
         return None
-    from contactlab.model.contact.plan import build_contact
+    from contactlab.model.contact.systems import Around, build_contact
 
-    return build_contact(plans, *arguments)
+    return build_contact(plans, Around(*arguments))
 
 
 def _split_work(scene: Scene, integrator: Integrator, contact: Any, state: State, reference: Floats) -> None:

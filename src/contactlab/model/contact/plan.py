@@ -1,11 +1,10 @@
-"""Contacts: which parts and surfaces they join, what they need of each other, and their state."""
+"""Contacts before any array exists: which parts and surfaces they join, and what they need of each other."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,27 +19,21 @@ from contactlab.api import (
     NormalLaw,
     Potential,
     SegmentContact,
-    State,
     Surface,
 )
 from contactlab.api.arrays import Flags
 from contactlab.contact.contact_pairs import contact_pair
-from contactlab.contact.corner_pair import CornerPair, CornerPoints
-from contactlab.contact.corners import Corners, corners_of
-from contactlab.contact.explicit_system import ContactSystem
-from contactlab.contact.operator_pair import OperatorPair
-from contactlab.contact.pair import ContactPair, start_distances
+from contactlab.contact.corner_pair import CornerPoints
+from contactlab.contact.corners import corners_of
+from contactlab.contact.pair import ContactPair
 from contactlab.contact.sliding import rows_of
-from contactlab.contact.start_gaps import ZeroStart
 from contactlab.errors import PartError, SceneError, below
 from contactlab.meshing.mesh import split_at_corners, surface_from_edges
-from contactlab.model.bodies.body import Body, BodyForces, positions_of
-from contactlab.model.contact.checks import JoinedStretches, check_facing, check_solid_side, refuse_held_slave
-from contactlab.model.contact.initial_gap import facet_overlap, ramped_overlap, refuse_overlap
+from contactlab.model.bodies.body import Body, positions_of
+from contactlab.model.contact.checks import JoinedStretches, check_facing, check_solid_side
 from contactlab.model.loading.edge_sets import edge_set
 
 if TYPE_CHECKING:
-    from contactlab.contact.implicit_system import ImplicitContactSystem
     from contactlab.errors import Where
     from contactlab.model.loading.rigid import RigidSurface
     from contactlab.parts.registry import Registry
@@ -273,184 +266,3 @@ def contact_shapes(plans: tuple[ContactPlan, ...], nodes: int) -> Mapping[str, t
         elif plan.friction is not None and plan.friction.varies:
             shapes[f"friction.{plan.name}"] = (rows_of(plan.friction), plan.slots)
     return shapes
-
-
-def build_contact(
-    plans: tuple[ContactPlan, ...],
-    bodies: tuple[Body, ...],
-    reference: Floats,
-    fixed_dof: Ints,
-    state: State,
-    mass: Floats,
-    ramp_time: float,
-    driven: bool,
-    forces: tuple[BodyForces, ...],
-    position: Floats,
-) -> Any:
-    """The contact system that the enforcement works with, None where the scene declares no contact.
-
-    driven    whether supports, loads or effects put energy in
-    forces    the work of the bodies, and position (N, 2) [mm] where they are, both of the run
-    """
-    if not plans:
-        return None
-    _one_enforcement(plans)
-    plans = all_passes(plans)
-    held = np.zeros(2 * len(reference), np.bool_)
-    held[fixed_dof] = True
-    immobile = np.asarray(held.reshape(-1, 2).all(axis=1))
-    enforcement: Any = plans[0].enforcement
-    if any(map(by_energy, plans)):
-        from contactlab.model.contact.potential_start import begin_open, what_lies_behind
-    explicit = plans[0].explicit
-    # steps that iterate look for a state at their end, explicit ones go on from where they are
-    time = state["clock"] if explicit else np.zeros(1)
-    pairs: list[ContactPair] = []
-    first = 0
-    for plan in plans:
-        if isinstance(plan.algorithm, CornerPoints):
-            held_at = next(pair for pair in pairs if plan.name == f"{pair.name}.corners")
-            pairs.append(_points_beside(held_at, plan, reference, first, immobile))
-            first += plan.slots
-            continue
-        if not plan.second:
-            refuse_held_slave(plan.slave, immobile, plan.sides[0], plan.where)
-        behind = what_lies_behind(plan, bodies, reference) if by_energy(plan) else None
-        pair = plan.pair(reference, first, immobile, behind)
-        if by_energy(plan):
-            begin_open(plan, pair, reference)
-        if plan.start.overlap == "ramp":
-            pair.start_gaps = ramped_overlap(pair, time, plan.start.duration or ramp_time, reference)
-        elif plan.start.gap == "zero":
-            pair.start_gaps = ZeroStart(start_distances(pair, reference))
-        refuse_overlap(plan, pair, bodies, reference)
-        if pair.start_gaps is None and "velocity" in state and not pair.by_energy:
-            # statics go to the end, where the overlap counts; what moves freely keeps its energy, and the overlap
-            pair.start_gaps = facet_overlap(pair, time, ramp_time if driven else math.inf, reference)
-        pairs.append(pair)
-        first += plan.slots
-    if isinstance(enforcement, NormalLaw):
-        return _pressure_system(
-            plans, tuple(pairs), enforcement, bodies, forces, reference, position, mass, state, time
-        )
-    consistent = follows_gaps(enforcement, motion="velocity" in state, smooth=any(plan.smooth for plan in plans))
-    if not explicit:
-        from contactlab.contact.implicit_system import ImplicitContactSystem
-
-        return ImplicitContactSystem(tuple(pairs), enforcement, state, time, consistent)
-    if not consistent:
-        return ContactSystem(tuple(pairs), enforcement, state)
-    from contactlab.contact.consistent_system import ConsistentContactSystem
-
-    return ConsistentContactSystem(tuple(pairs), enforcement, state)
-
-
-def _points_beside(
-    pair: ContactPair, plan: ContactPlan, reference: Floats, first_slot: int, immobile: Flags
-) -> ContactPair:
-    """The pair of points at corners of the master of a pair, which is held at them."""
-    assert isinstance(pair, OperatorPair)
-    assert plan.corners is not None
-    pair.points = points = cast("CornerPair", plan.pair(reference, first_slot, immobile))
-    pair.corners = points.corners = Corners(pair, plan.corners)
-    return points
-
-
-def _pressure_system(
-    plans: tuple[ContactPlan, ...],
-    pairs: tuple[ContactPair, ...],
-    law: NormalLaw,
-    bodies: tuple[Body, ...],
-    forces: tuple[BodyForces, ...],
-    reference: Floats,
-    position: Floats,
-    mass: Floats,
-    state: State,
-    time: Floats,
-) -> Any:
-    """The contact system of a normal law."""
-    from contactlab.contact.pressure_response import PressureStore
-    from contactlab.model.contact.cells_behind import in_series, length_over_mass, stiffness_behind
-
-    if "traction" in law.needs:
-        return _traction_system(plans, pairs, law, bodies, forces, reference, position, state, time)
-    stiffness = []
-    for pair in pairs:
-        slave, master = (stiffness_behind(side, bodies, reference) for side in (pair.slave, pair.master))
-        # what overlaps alike in both half passes is pressed alike
-        own = np.full(len(slave), 1.0 / (1.0 / slave).mean()) if pair.half else slave
-        stiffness.append(np.tile(in_series(own, master), pair.rows_per_node))
-    half = any(pair.half for pair in pairs)
-    memory = None
-    if law.named():
-        from contactlab.contact.pressure_memory import PressureMemory
-
-        memory = PressureMemory(law, pairs, state, reference)
-    store = PressureStore(law, pairs, np.concatenate(stiffness), reference, memory)
-    if plans[0].explicit:
-        densities = [sum(length_over_mass(side, reference, mass) for side in (p.slave, p.master)) for p in pairs]
-        if half:
-            from contactlab.model.contact.half_passes import HalfPassContactSystem
-
-            return HalfPassContactSystem(pairs, store, state, densities)
-        from contactlab.model.contact.pressure_system import PressureContactSystem
-
-        return PressureContactSystem(pairs, store, state, densities)
-    system: ImplicitContactSystem
-    if half:
-        from contactlab.contact.half_passes import HalfPassResponse, HalfPassSystem
-
-        system = HalfPassSystem(pairs, HalfPassResponse(law, store.stiffness, pairs), state, time, follows_gaps=False)
-    else:
-        from contactlab.contact.implicit_system import ImplicitContactSystem
-        from contactlab.contact.pressure_response import PressureResponse
-
-        response = PressureResponse(law, store.stiffness, memory)
-        system = ImplicitContactSystem(pairs, response, state, time, follows_gaps=False)
-        system.remembers = response if memory is not None else None
-    system.store = store
-    return system
-
-
-def _traction_system(
-    plans: tuple[ContactPlan, ...],
-    pairs: tuple[ContactPair, ...],
-    law: NormalLaw,
-    bodies: tuple[Body, ...],
-    forces: tuple[BodyForces, ...],
-    reference: Floats,
-    position: Floats,
-    state: State,
-    time: Floats,
-) -> Any:
-    """The contact system of a normal law that follows the stress of the slave's cells."""
-    from contactlab.contact.traction_system import TractionContactSystem, TractionResponse
-    from contactlab.model.contact.cells_behind import stiffness_behind
-    from contactlab.model.contact.traction_behind import TractionBehind, refuse_slave
-
-    for plan in plans:
-        refuse_slave(plan, bodies)
-    stiffness = [np.tile(stiffness_behind(p.slave, bodies, reference), p.rows_per_node) for p in pairs]
-    behind = TractionBehind(pairs, forces, position, sum(len(one) for one in stiffness))
-    response, linearised = TractionResponse(law, np.concatenate(stiffness), behind), cast("Any", pairs)
-    return TractionContactSystem(linearised, response, state, time, follows_gaps=False)
-
-
-def follows_gaps(enforcement: Enforcement, *, motion: bool, smooth: bool) -> bool:
-    """Whether contact forces act along the derivatives of the gaps: what the key `forces` means in a run.
-
-    "conjugate" and "published" are older names. "auto" is "consistent" in steps in time, which these forces let keep
-    energy, unless gaps are those of `smooth` surfaces.
-    """
-    return enforcement.forces in ("consistent", "conjugate") or (enforcement.forces == "auto" and motion and not smooth)
-
-
-def _one_enforcement(plans: tuple[ContactPlan, ...]) -> None:
-    enforcements = {plan.enforcement for plan in plans}
-    if len(enforcements) > 1:
-        raise SceneError(
-            "all contacts of a scene share one enforcement",
-            where=plans[-1].where,
-            got=", ".join(sorted(map(str, enforcements))),
-            allowed="the same one for every contact",
-        )
