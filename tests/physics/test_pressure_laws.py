@@ -137,7 +137,7 @@ def test_a_bounce_gives_back_what_it_took() -> None:
 
 @pytest.mark.parametrize("use", ["linear-pressure", "exponential-pressure"])
 def test_a_bounce_in_implicit_steps_keeps_its_energy(use: str) -> None:
-    """A block thrown on a floor softer by 500: some 8 and 16 steps a contact, where forces at ends lose 37 and 21 %.
+    """A block thrown on a floor softer by 500: some 6 to 24 steps a contact, where forces at ends lose half to 15 %.
 
     Linear springs keep it to what is solved; others as well as four points integrate a pressure over a step.
     """
@@ -145,7 +145,7 @@ def test_a_bounce_in_implicit_steps_keeps_its_energy(use: str) -> None:
     law = {"stiffness": soft} if use == "linear-pressure" else {"clearance": far, "pressure_at_zero": soft * far}
     kept = 1e-5 if use == "linear-pressure" else 1e-3
     contact = math.pi * math.sqrt(RHO * HEIGHT / soft)
-    for steps in (16, 32):
+    for steps in (24, 48, 12):
         results = done(blocks({"use": use} | law, "implicit-dynamics").with_({
             "integrator": {"use": "implicit-dynamics", "steps": steps}, "time.end": 2.0 * contact,
             "bodies.upper.velocity": [0.0, -speed], "bodies.upper.mesh.y": [far, far + HEIGHT],
@@ -155,9 +155,11 @@ def test_a_bounce_in_implicit_steps_keeps_its_energy(use: str) -> None:
         assert np.count_nonzero(history["contacts.0.fy"])
         assert history["contacts.0.fy"][-1] == 0.0
         assert results.summary["balance"]["contact"] == pytest.approx(0.0, abs=kept * whole)
+        few = steps < 20  # less than 10 in the contact
+        assert [warning.code for warning in results.warnings] == ["few-steps-in-contact"] * few
         # what is left in waves of the blocks, 1/500
         assert history["energy.kinetic"][-1] == pytest.approx(whole, rel=kept + 2e-3)
-        if use == "linear-pressure":
+        if use == "linear-pressure" and not few:
             # means over a step of a sine: 1/6 of the square of half of its angle, and the floor gives way, 1/500
             peak = np.abs(history["contacts.0.fy"]).max() / WIDTH
             angle = 2.0 * math.pi / steps

@@ -10,21 +10,26 @@ from contactlab.api import WORK, Floats, RunWarning, Step
 from contactlab.model.model import Model
 
 FEW = 5  # wished steps in the contact of an impact
+SPRUNG = 10  # on springs: the largest force is 5 % above the means over steps that are seen
 FRONT = 40  # of steps that are not cut: the midpoint rule then loses 5 % of the speed behind a sharp front
 LOST = 0.01  # of the energy of motion before it: a contact that takes more is an impact, if steps are not cut
-BEGUN, KINETIC, WORKED, CUT, SHORTEST, EVER = range(6)
+STOPPED = 0.5  # of this energy: what springs take for a time in an impact, and give back
+BEGUN, KINETIC, WORKED, CUT, SHORTEST, EVER, LEAST = range(7)
 
 
 class ContactTimes:
     """Follows contact from the first force to the last one.
 
     numbers  begin of the present contact [s] (NaN: none), kinetic energy and work of contact [mJ] before it, whether
-             steps were cut in it, the shortest impact so far [s], and whether steps were cut in any
+             steps were cut in it, the shortest impact so far [s], whether energy was kept in any, by steps that were
+             cut or by springs, and the least kinetic energy [mJ] in the present contact
     """
 
     def __init__(self, model: Model, wished: float) -> None:
         self.model, self.wished = model, wished
-        self.numbers: Floats = np.array([np.nan, model.kinetic_energy(), 0.0, 0.0, np.inf, 0.0])
+        assert model.contact is not None
+        self.springs = not model.contact.enforcement.exact
+        self.numbers: Floats = np.array([np.nan, model.kinetic_energy(), 0.0, 0.0, np.inf, 0.0, np.inf])
 
     def follow(self, step: Step, dt: float) -> None:
         """Look at the state after an accepted step of length dt [s]."""
@@ -33,28 +38,33 @@ class ContactTimes:
         if state["contact_force"].any():
             if np.isnan(n[BEGUN]):
                 n[BEGUN] = state.time - dt
+            n[LEAST] = min(n[LEAST], self.model.kinetic_energy())
             return
         work = float(state["work"][WORK.index("contact")])
         if not np.isnan(n[BEGUN]):
-            n[EVER] = n[EVER] or n[CUT]
-            if n[CUT] or n[WORKED] - work > LOST * n[KINETIC] > 0.0:
+            lost = not n[CUT] and n[WORKED] - work > LOST * n[KINETIC] > 0.0
+            kept = n[CUT] or (self.springs and not lost and n[LEAST] < STOPPED * n[KINETIC])
+            n[EVER] = n[EVER] or kept
+            if kept or lost:
                 n[SHORTEST] = min(n[SHORTEST], state.time - dt - n[BEGUN])
-            n[BEGUN] = np.nan
+            n[BEGUN], n[LEAST] = np.nan, np.inf
         n[KINETIC], n[WORKED], n[CUT] = self.model.kinetic_energy(), work, 0.0
 
     def warnings(self, key: str) -> Iterator[RunWarning]:
         """Warn of the shortest impact, if few wished steps make it; `key` is where the scene says how long they are."""
-        lasted, cut = float(self.numbers[SHORTEST]), bool(self.numbers[EVER])
-        limit, number = FEW if cut else FRONT, lasted / self.wished
+        lasted, kept = float(self.numbers[SHORTEST]), bool(self.numbers[EVER])
+        limit, number = (SPRUNG if self.springs else FEW) if kept else FRONT, lasted / self.wished
         if number >= limit:
             return
-        done = (
-            "steps were cut to follow it, those between impacts are too long for the vibrations that it leaves"
-            if cut
-            else "how fast bodies rebound depends on the step; set integrator.impacts = true, or"
-        )
+        if kept and self.springs:
+            done = "forces are means over steps, below the largest ones;"
+        elif kept:
+            done = "steps were cut to follow it, those between impacts are too long for the vibrations that it leaves;"
+        else:
+            cut = "" if self.springs else " set integrator.impacts = true, or"
+            done = f"how fast bodies rebound depends on the step;{cut}"
         yield RunWarning(
             "few-steps-in-contact", number, limit, key,
             f"an impact lasts {lasted:.3g} s, {number:.2g} of the wished steps of {self.wished:.3g} s (limit {limit}): "
-            f"{done}{';' if cut else ''} take steps of {lasted / limit:.2g} s",
+            f"{done} take steps of {lasted / limit:.2g} s",
         )  # fmt: skip
