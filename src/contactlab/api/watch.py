@@ -75,7 +75,7 @@ class StepView(Protocol):
         ...
 
     def stored_energy(self) -> float:
-        """Strain energy [mJ] of the laws that have one; nan if any law has none."""
+        """Energy [mJ] that bodies store, nan if any law has none, and surfaces under pressure laws and potentials."""
         ...
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from contactlab.api import Floats
 from contactlab.missing_effects.bending import bending_detectors
+from contactlab.missing_effects.early_contact import early_detectors
 from contactlab.missing_effects.leaning_forces import leaning_detectors
 from contactlab.missing_effects.locking import locking_detectors
 from contactlab.missing_effects.missing_effect import Detector
@@ -25,7 +26,7 @@ DETECTORS = (
     strain_detectors, locking_detectors, quasi_static_detectors, leaning_detectors, overlap_detectors,
 )  # fmt: skip
 # their energies and forces are small in early frames, and shares of them mean nothing there
-AT_THE_END = (bending_detectors, work_detectors, side_detectors)
+AT_THE_END = (bending_detectors, work_detectors, side_detectors, early_detectors)
 KEY = "looks"  # in checkpoints: files keep their names
 
 

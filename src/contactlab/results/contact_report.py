@@ -35,7 +35,6 @@ class ContactReport:
     active, sticking   nodes with a force; of these, nodes below their friction bound
     largest            [N] largest y_n
     pressing           [N] sum of the y_n that press
-    early_work         [mJ] sum of y_n times gaps across which forces act
     """
 
     curve: ContactCurve
@@ -52,7 +51,6 @@ class ContactReport:
     sticking: int
     largest: float = 0.0
     pressing: float = 0.0
-    early_work: float = 0.0
 
     def force_error(self, integral: Floats) -> float:
         """How far an integral of the tractions (2,) [N] is from the nodal forces, over them; 0 where they are none.
@@ -112,7 +110,6 @@ def report_contact(pair: ContactPair, state: State, reference: Floats, position:
         ),
         complementarity=float(np.abs(normal_force * gaps).max(initial=0.0) / (largest * pair.size)),
         kept_work=float(normal_force @ np.maximum(0.0, pair.opened - seen.gaps)),
-        early_work=float(normal_force @ np.maximum(0.0, gaps - pair.opened)) if pair.clearance > 0.0 else 0.0,
         most_negative=float(pressure.min(initial=0.0) / max(pressure.max(initial=0.0), 1e-300)),
         active=int(np.count_nonzero(states)),
         sticking=int(np.count_nonzero(states == 1)),

@@ -281,13 +281,6 @@ def _kept_by_springs(model: Model, pair: ContactPair, sample: Sample) -> Iterato
             sum(kept.values()) / stored, GIVE,
             "springs give way to the pressure, and bodies come nearer than they would under exact conditions",
         )  # fmt: skip
-    early = {name: report.early_work for name, report in sample.contacts.items()}
-    if pair.clearance > 0.0 and pair.name == max(early, key=lambda name: early[name]):
-        yield Invariant(
-            "work across the gaps of pressed nodes over that of the stresses", "early-contact", pair.name,
-            sum(early.values()) / stored, GIVE,
-            "forces act before surfaces touch, and bodies are pressed as if they were larger by the gap",
-        )  # fmt: skip
 
 
 def _has_law(model: Model) -> bool:

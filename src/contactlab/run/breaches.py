@@ -43,11 +43,6 @@ TEXTS: dict[str, tuple[str, str, str]] = {
         "swap", "pressed surfaces come nearer than they may, and contact forces are too small: pushing them back would "
         "take {value} of the work of the stresses", "",
     ),
-    "early-contact": (
-        "algorithm", "forces act across gaps, and bodies are pressed as if they were larger by these: closing them "
-        "would give {value} of the work of the stresses", "take a smaller dhat, finer cells, or an algorithm that "
-        "closes gaps (mortar-p1)",
-    ),
     "creep": (
         "algorithm", "nodes that stick creep by {value} of the motion of the surfaces in the last step: friction holds "
         "them too weakly", "reduce slip of the algorithm, or use multipliers (mortar-p1)",

@@ -16,6 +16,9 @@ IN_A_STEP = 1e-3  # of it, in one step of an implicit run: a longer step is cut,
 GAIN = 0.1  # the same for energy that contact makes: weak conditions on coarse meshes make some per cent
 MADE = 0.01  # energy that contact has made in all, whatever damping took of it since: told
 TOO_MUCH_MADE = 0.1  # and the run is stopped
+LOST = (
+    0.05  # energy that springs and potentials took and did not give back: peaks and rebounds are off by some per cent
+)
 LASTING = 100  # steps that either must last: sharp impacts borrow some energy for a few
 OVERSHOOT = 100.0  # kinetic over all energy: 1/(1 - (w dt/2)^2) at most in a mode that leapfrog follows; 99 % of 2/w
 AT_THE_END = 5.0  # times these limits: more at the end of a run stops it whether it lasted or not
@@ -72,7 +75,10 @@ class EnergyGuard:
             )
         if self.judges_contact:
             assert self.model.contact is not None
-            self._made_by_contact(float(self.work[3]) + self.model.contact.stored_since_start - self.pushed, last)
+            made = float(self.work[3]) + self.model.contact.stored_since_start - self.pushed
+            self._made_by_contact(made, last)
+            if last and made < -LOST * self.scale and _gives_back(self.model.contact):
+                self._lost_by_contact(-made)
 
     def step_made_energy(self) -> bool:
         """Whether the step just made by itself stored more energy than it may: stresses change too much in it."""
@@ -121,6 +127,15 @@ class EnergyGuard:
                 cure,
             )
 
+    def _lost_by_contact(self, lost: float) -> None:
+        self.model.warnings.add(
+            RunWarning(
+                "contact-energy", -lost / self.scale, -LOST, self.shorter.split()[-1],
+                f"contact has lost {lost:.3g} of energy, {self._share(lost)} (allowed {LOST:.0%}), but stores all "
+                f"that it takes: its forces change too much in a step; try {self.shorter}",
+            )
+        )  # fmt: skip
+
     def _overshoot(self) -> None:
         """Above the stable step leapfrog keeps its energy, too: what is stored becomes as negative as kinetic grows."""
         share = self.model.kinetic_energy() / self.largest
@@ -152,6 +167,12 @@ class EnergyGuard:
         shares = {b.name: float(squares[b.first : b.first + b.count].sum()) for b in self.model.bodies}
         name = max(shares, key=lambda body: shares[body])
         return f"body {name} has {shares[name] / max(float(squares.sum()), 1e-300):.0%} of the kinetic energy"
+
+
+def _gives_back(contact: Any) -> bool:
+    """Whether all contact forces are derivatives of energies: multipliers and laws that remember may take some."""
+    store = getattr(contact, "store", None)
+    return all(pair.by_energy for pair in contact.passes) or (store is not None and not store.law.named())
 
 
 def _come(model: Model) -> tuple[Floats, Floats]:

@@ -77,8 +77,10 @@ class ModelView:
         return self._model.kinetic_energy()
 
     def stored_energy(self) -> float:
-        """Strain energy [mJ] of all bodies."""
-        return float(sum(forces.stored_energy() for forces in self._model.forces))
+        """Strain energy [mJ] of all bodies, and what surfaces store."""
+        contact = self._model.contact
+        surfaces = contact.stored_since_start if contact is not None else 0.0
+        return float(sum(forces.stored_energy() for forces in self._model.forces)) + surfaces
 
 
 def _sealed(values: Floats) -> Floats:

@@ -53,9 +53,12 @@ class WallImpact(Case):
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
         """The midpoint rule keeps energy but for the nodes that are stopped."""
+        early = ("early-contact",)
         return (
-            error("mean force", 0.002, "rho c v, and a node's share of fifty"),
-            error("loss against that of the stopped nodes", 0.02, "half a cell; steps end where the bar arrives"),
+            error("mean force", 0.002, "rho c v, and a node's share of fifty", codes=early),
+            error(
+                "loss against that of the stopped nodes", 0.02, "half a cell; steps end where it arrives", codes=early
+            ),
             at_most("contacts after the first", 0.0, "it leaves once"),
             invariant("largest rise of energy in a step", 1e-9, "round-off; contact conditions only take"),
             reported("ripple of the force"),

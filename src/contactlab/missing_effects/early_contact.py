@@ -1,0 +1,65 @@
+"""Potentials that press across gaps: bodies act as if they were larger by the distance that is kept."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contactlab.api import WORK, RunWarning
+from contactlab.kernels.contact.factored_rows import FAR
+from contactlab.missing_effects.missing_effect import Detectors, needed, per_cent
+from contactlab.model.model import Model
+from contactlab.results.strain_scale import energy_of_strain
+
+if TYPE_CHECKING:
+    from contactlab.scene.scene import Scene
+
+EARLY = 0.02  # of the largest energy: what drives or yields under a load is off by half of that
+NOTHING = 1e-7  # strain whose energy counts as none
+INTERNAL = WORK.index("internal")
+
+
+def early_detectors(scene: Scene, model: Model) -> Detectors:
+    """A detector for all contacts together, as distances in series add up, where some keep one."""
+    if model.contact is not None and any(pair.clearance > 0.0 for pair in model.contact.pairs):
+        yield EarlyContact(model)
+
+
+class EarlyContact:
+    """`worst`: largest sum of forces times the gaps across which they act [mJ], its contact, and largest energy [mJ].
+
+    That energy is of strain, by the work of the stresses, and of motion. Gaps by which surfaces that touched were
+    opened before the run are none.
+    """
+
+    def __init__(self, model: Model) -> None:
+        self.model, self.pairs, self.worst = model, model.contact.pairs, np.zeros(3)  # type: ignore[union-attr]
+
+    def update(self) -> None:
+        """Take in the forces and gaps of this moment."""
+        state = self.model.state
+        works = np.zeros(len(self.pairs))
+        for number, pair in enumerate(self.pairs):
+            gaps = np.where(pair.gaps[:, 0] < FAR, pair.gaps[:, 0] - pair.opened, 0.0)
+            if pair.clearance > 0.0:
+                works[number] = state["multipliers"][0, pair.own] @ np.maximum(gaps, 0.0)
+        if works.sum() > self.worst[0]:
+            self.worst[:2] = works.sum(), works.argmax()
+        energy = abs(float(state["work"][INTERNAL]))
+        energy += self.model.kinetic_energy() if "velocity" in state else 0.0
+        self.worst[2] = max(self.worst[2], energy)
+
+    def warning(self) -> RunWarning | None:
+        """Advise a smaller distance; None where it takes little energy."""
+        work, number, energy = (float(value) for value in self.worst)
+        share = work / max(energy, energy_of_strain(self.model, NOTHING))
+        if share <= EARLY:
+            return None
+        pair = self.pairs[int(number)]
+        return needed(
+            "early-contact", share, EARLY, f"{pair.name}.algorithm",
+            f"{pair.name}: forces act across gaps, and bodies are pressed as if they were larger by these: closing "
+            f"them would give {per_cent(share)} of the largest energy of strain and motion (limit {per_cent(EARLY)})",
+            "take a smaller dhat, finer cells, or an algorithm that closes gaps (mortar-p1)",
+        )  # fmt: skip
