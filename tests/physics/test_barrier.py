@@ -13,6 +13,7 @@ from scipy.optimize import brentq
 
 from contactlab import load_scene, simulate
 from contactlab.api import Floats, Ints
+from contactlab.api.frame import OPEN
 from contactlab.errors import RequestError
 from contactlab.model.build import build
 from contactlab.model.contact import potential_start
@@ -222,6 +223,29 @@ def test_a_block_that_meets_another_never_touches_it_and_gives_it_its_momentum()
     assert sum(momentum) == pytest.approx(whole, rel=1e-9)
     assert momentum[1] / whole > 0.9
     assert not model.state["contact_force"].any(), "they have parted"
+
+
+def test_an_impact_across_a_gap_tells_what_it_lost_and_how_early_it_was() -> None:
+    """A bar that is thrown is compressed by v/c, 2e-3, as much as `dhat`; between its two frames it has come and gone."""
+    floor = {"line": [[50.0, 0.0], [-50.0, 0.0]]}
+    mesh = {"use": "rectangle", "x": [0.0, 2.0], "y": [0.0, 1.0], "cells": [2, 4]}
+    results = simulate(Scene.from_data({
+        "time": {"end": 2e-4}, "integrator": {"use": "implicit-dynamics", "steps": 80},
+        "materials": {"m": {"use": "neo-hookean", "young": 1e3, "poisson": 0.0, "density": 1e-9}},
+        "bodies": {"b": {
+            "element": "q1", "material": "m", "mesh": mesh, "shift": [0.0, 0.1], "velocity": [0.0, -2000.0],
+        }},
+        "rigid": {"floor": floor},
+        "contacts": [{"slave": "b.bottom", "master": "floor", "algorithm": {"use": "barrier", "dhat": 2e-3}}],
+        "record": {"frames": 1},
+    }))  # fmt: skip
+    assert results.contact["contacts.0"].last.state.max() == OPEN
+    told = {warning.code: warning.value for warning in results.warnings}
+    # what is left of the barrier is open again: its work is what was lost, of the energy of the throw
+    lost = results.history["energy.contact"][-1] / results.history["energy.kinetic"][0]
+    assert told["contact-energy"] == pytest.approx(lost, rel=1e-3)
+    assert lost < -0.05
+    assert told["early-contact"] > 0.1
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactlab.api import WORK, RunWarning
+from contactlab.api import WORK, RunWarning, Step
 from contactlab.kernels.contact.factored_rows import FAR
 from contactlab.missing_effects.missing_effect import Detectors, needed, per_cent
 from contactlab.model.model import Model
@@ -49,6 +49,10 @@ class EarlyContact:
         energy = abs(float(state["work"][INTERNAL]))
         energy += self.model.kinetic_energy() if "velocity" in state else 0.0
         self.worst[2] = max(self.worst[2], energy)
+
+    def follow(self, step: Step, dt: float) -> None:
+        """Take in the state after an accepted step: impacts may begin and end between frames."""
+        self.update()
 
     def warning(self) -> RunWarning | None:
         """Advise a smaller distance; None where it takes little energy."""

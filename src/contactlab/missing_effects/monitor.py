@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactlab.api import Floats
+from contactlab.api import Floats, Step
 from contactlab.missing_effects.bending import bending_detectors
-from contactlab.missing_effects.early_contact import early_detectors
+from contactlab.missing_effects.early_contact import EarlyContact, early_detectors
 from contactlab.missing_effects.leaning_forces import leaning_detectors
 from contactlab.missing_effects.locking import locking_detectors
 from contactlab.missing_effects.missing_effect import Detector
@@ -39,6 +39,11 @@ class EffectMonitor:
             [detector for found in kinds for detector in found(scene, model)] for kinds in (DETECTORS, AT_THE_END)
         )
         self.detectors = [*self.early, *self.late]
+
+    @property
+    def every_step(self) -> tuple[Callable[[Step, float], None], ...]:
+        """What to call after each accepted step: detectors that would miss it between frames."""
+        return tuple(detector.follow for detector in self.detectors if isinstance(detector, EarlyContact))
 
     def examine_frame(self) -> None:
         """Let every detector take in the present state, and add warnings of the state so far."""

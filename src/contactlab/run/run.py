@@ -117,7 +117,8 @@ class Run:
         split = split_of(self.model)
         booked = (split.sample,) if split is not None else ()  # first: what follows looks at it
         kept = (lambda step, dt: self.keep(),) if self.schedule.control is not None else ()  # each has its own length
-        return (*booked, *self.journal.every_step, *last, *self.schedule.every_step, *kept, *more, *limit)
+        others = (*self.schedule.every_step, *self.monitor.every_step, *kept, *more, *limit)
+        return (*booked, *self.journal.every_step, *last, *others)
 
     def iterated(self, step: Step) -> None:
         """Keep the iterations of an attempted step of an implicit run."""
