@@ -226,7 +226,7 @@ def test_a_block_that_meets_another_never_touches_it_and_gives_it_its_momentum()
 
 
 def test_an_impact_across_a_gap_tells_what_it_lost_and_how_early_it_was() -> None:
-    """A bar that is thrown is compressed by v/c, 2e-3, as much as `dhat`; between its two frames it has come and gone."""
+    """A bar that is thrown is compressed by v/c, 2e-3, as much as `dhat`; it comes and goes between its two frames."""
     floor = {"line": [[50.0, 0.0], [-50.0, 0.0]]}
     mesh = {"use": "rectangle", "x": [0.0, 2.0], "y": [0.0, 1.0], "cells": [2, 4]}
     results = simulate(Scene.from_data({
