@@ -51,6 +51,7 @@ class Patch(Case):
                 {"slave": "upper.bottom", "master": "lower.top"},
                 supports=[{"on": "lower.bottom", "ux": 0.0, "uy": 0.0}, {"on": "upper.top"} | push],
                 fields=True,
+                tolerance=1e-12,
             ),
         )  # fmt: skip
 

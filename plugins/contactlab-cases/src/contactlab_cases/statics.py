@@ -18,14 +18,15 @@ HELD_BY_FRICTION = {"use": "active-set", "start": "stick"}
 
 def static_job(
     name: str, setup: Setup, materials: Mapping[str, Mapping[str, Any]], bodies: Mapping[str, Any],
-    contact: Mapping[str, Any], steps: int = 1, frames: int = 1, fields: bool = False, **more: Any,
+    contact: Mapping[str, Any], steps: int = 1, frames: int = 1, fields: bool = False,
+    tolerance: float = 1e-8, **more: Any,
 ) -> Job:  # fmt: skip
     """A static run. Materials are linear elastic unless they name a law; bodies take the element of the setup."""
     law = {"use": "linear-elastic", "density": 1.0}
     scene = {
         "name": name,
         # methods are judged by themselves: a jump that is helped over would stand for none of them
-        "integrator": {"use": "newton", "steps": steps, "stabilised": False},
+        "integrator": {"use": "newton", "steps": steps, "stabilised": False, "tolerance": tolerance},
         "materials": {key: law | dict(values) for key, values in materials.items()},
         "bodies": {key: {"element": setup.element} | dict(body) for key, body in bodies.items()},
         "contacts": [{"algorithm": setup.algorithm, "swap": setup.swap} | dict(contact)],
