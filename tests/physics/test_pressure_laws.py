@@ -166,6 +166,17 @@ def test_a_bounce_in_implicit_steps_keeps_its_energy(use: str) -> None:
             assert peak == pytest.approx(speed * math.sqrt(RHO * HEIGHT * soft), rel=angle**2 / 2 + 2e-3)
 
 
+def test_surfaces_that_a_law_presses_before_the_run_are_told() -> None:
+    """The integral of the pressure over its clearance, over the width, beside the energy of a slow throw."""
+    rest = {"time.end": 1e-6, "supports": [{"on": "lower.bottom", "ux": 0.0, "uy": 0.0}]}
+    thrown = rest | {"bodies.upper.velocity": [0.0, 1.0], "integrator": {"use": "implicit-dynamics", "steps": 4}}
+    (warning,) = done(blocks(LAWS["exponential"], "implicit-dynamics").with_(thrown)).warnings
+    stored = WIDTH * sum(pressure("exponential", CLEARANCE * (n + 0.5) / 1000) for n in range(1000)) * CLEARANCE / 1000
+    assert warning.code == "pressed-start"
+    # a rule of 1000 middles, and the sum over gaps to four digits
+    assert warning.value == pytest.approx(stored / (0.5 * RHO * WIDTH * HEIGHT), rel=1e-3)
+
+
 @pytest.mark.parametrize("integrator", ["newton", "central-difference"])
 def test_friction_carries_its_share_of_the_pressure(integrator: str) -> None:
     """A block dragged along slides under mu times its pressure; in an explicit run, which rings, it sticks at times."""

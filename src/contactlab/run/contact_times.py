@@ -13,7 +13,7 @@ FEW = 5  # wished steps in the contact of an impact
 SPRUNG = 10  # on springs: the largest force is 5 % above the means over steps that are seen
 FRONT = 40  # of steps that are not cut: the midpoint rule then loses 5 % of the speed behind a sharp front
 LOST = 0.01  # of the energy of motion before it: a contact that takes more is an impact, if steps are not cut
-STOPPED = 0.5  # of this energy: what springs take for a time in an impact, and give back
+STOPPED = 0.9  # of this energy: what springs take for a time in an impact, and give back
 BEGUN, KINETIC, WORKED, CUT, SHORTEST, EVER, LEAST = range(7)
 
 

@@ -49,6 +49,9 @@ class EnergyGuard:
         self.facets = [each for each in gaps if each[1].by_facets]
         self.pushed, self.rate, self.counted = 0.0, 0.0, 0.0
         self.scale, self.unexplained = self.largest, 0.0
+        store: Any = getattr(model.contact, "store", None)
+        if store is not None and store.beginning > 0.0:
+            self._pressed_at_the_start(store)
 
     def check(self, last: bool = False) -> None:
         """Stop where energy has appeared for many steps; at the `last` step also where there is very much more."""
@@ -126,6 +129,20 @@ class EnergyGuard:
                 f"since step {self.since[2]:.0f}; {self._fastest_body()}",
                 cure,
             )
+
+    def _pressed_at_the_start(self, store: Any) -> None:
+        """Pressure laws that press surfaces as they are placed throw bodies apart, if steps follow the motion."""
+        held, others, model = store.beginning, self.largest, self.model
+        self.largest += held
+        if model.integrator.inertia and not model.explicit and held > LOST * others:
+            model.warnings.add(
+                RunWarning(
+                    "pressed-start", held / others, LOST, "contacts.0.enforcement",
+                    f"{type(store.law).__name__} presses surfaces before the run, which store {held:.3g}, "
+                    f"{held / others:.3g} times the energy of the bodies (allowed {LOST:.0%}): they are thrown apart; "
+                    "leave a gap at which the law begins",
+                )
+            )  # fmt: skip
 
     def _lost_by_contact(self, lost: float) -> None:
         self.model.warnings.add(
