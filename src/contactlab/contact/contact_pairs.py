@@ -54,13 +54,10 @@ def twin(pair: ContactPair, reference: Floats) -> ContactPair:
     return contact_pair(pair.name, pair.method, (pair.slave, pair.master), reference, pair.first_slot, None, fixed)
 
 
-def linearised(
-    pair: ContactPair, nodes: int, consistent: bool = False, in_time: bool = False, springs: bool = False
-) -> Linearisation:
+def linearised(pair: ContactPair, nodes: int, consistent: bool = False, in_time: bool = False) -> Linearisation:
     """Gaps and slips of a pair at trial positions and their derivatives, in a model of so many nodes.
 
     consistent  whether normal forces act along the derivatives of the gaps; in_time: by rows of a whole step
-    springs     whether these rows are for forces that follow overlaps
     """
     if isinstance(pair, CornerPair):
         from contactlab.contact.corner_linearisation import CornerLinearisation
@@ -86,5 +83,5 @@ def linearised(
     if in_time:
         from contactlab.contact.step_rows import StepRows
 
-        return StepRows(found, springs)
+        return StepRows(found)
     return found

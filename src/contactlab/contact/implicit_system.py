@@ -64,9 +64,7 @@ class ImplicitContactSystem:
         # statics have no start of a step that anything would have to hold to
         self.follows_gaps, self.consistent = follows_gaps, follows_gaps and "velocity" in state
         self.linear = tuple(
-            linearised(pair, nodes, follows_gaps, self.consistent, not enforcement.exact)
-            for pair in pairs
-            if not pair.by_energy
+            linearised(pair, nodes, follows_gaps, self.consistent) for pair in pairs if not pair.by_energy
         )
         self.conditions = _conditions(pairs, state["multipliers"], self.friction)
         self.pace = 1.0
@@ -110,14 +108,16 @@ class ImplicitContactSystem:
         if self.store is not None and self.store.memory is not None:
             self.store.memory.begin_step(time, time - self.state.time)
         self._release(time)
+        if self.store is not None and self.store.follows_steps:
+            self.time[0] = self.state.time
+            self.evaluate(position)
+            self.store.start[:] = np.where(self.conditions.present, self.conditions.gap, np.inf)
+            self.time[0] = time
         middle = position
         if self.consistent:
             middle = position + 0.5 * (time - self.state.time) * self.state["velocity"]
         for linear in self.linear:
             linear.begin(self.state.time, position, middle)
-        if self.store is not None and self.consistent:
-            for linear in self.linear:
-                self.store.start[linear.pair.own] = linear.gap
         self.conditions.anchor[:] = self.conditions.force
 
     def _release(self, time: float) -> None:

@@ -19,7 +19,7 @@ DOUBLED = 30  # times that a depth is, until the law gives a force there
 class PressureStore:
     """Energy of surfaces: length times the integral of the pressure over conditions, at the positions of the last ones.
 
-    start      (k,) [mm] gaps at the start of an implicit step in time
+    start      (k,) [mm] gaps at the start of a step in time, filled where `follows_steps`, as the response needs them
     stiffness  (k,) [MPa/mm] of the cells behind each slot
     memory     numbers beside the gap; None for a law of the gap alone
     beginning  [mJ] at the start of the run
@@ -34,7 +34,7 @@ class PressureStore:
         memory: PressureMemory | None = None,
     ) -> None:
         self.law, self.pairs, self.stiffness, self.memory = law, pairs, stiffness, memory
-        self.start = np.full(len(stiffness), np.inf)
+        self.start, self.follows_steps = np.full(len(stiffness), np.inf), False
         for pair in pairs:
             initial_gaps(pair, reference)
         self.beginning = 0.0
@@ -137,14 +137,34 @@ class PressureResponse(ImplicitEnforcement):
 class MeanPressureResponse(PressureResponse):
     """Residuals of mean pressures over a step in time, whose work is what surfaces store (Armero & Petocz 1998).
 
+    Springs that are stiffer than the nodes they press, with their inertia over the step, have pressures at its end: the
+    mean would ring from step to step.
+
     start  (k,) [mm] gaps at the start of the step
+    share  (k,) of the mean in the pressure
     """
 
     def __init__(self, law: NormalLaw, stiffness: Floats, start: Floats, memory: PressureMemory | None) -> None:
         super().__init__(law, stiffness, memory)
-        self.start = start
+        self.start, self.share = start, np.zeros(len(stiffness))
+
+    def press(self, c: Conditions) -> Flags:
+        """See `PressureResponse`."""
+        super().answer(np.where(c.present, c.gap, self.first), c.size, self.found)
+        spring = -self.found[1] * c.measure
+        ratio = np.divide(spring, c.stiffness, out=np.zeros_like(spring), where=c.present & np.isfinite(c.stiffness))
+        self.share[:] = 1.0 / np.maximum(1.0, ratio) ** 2
+        return super().press(c)
 
     def answer(self, gap: Floats, size: Floats, out: Floats) -> None:
+        """Fill `out` (2, k) with the share of the mean and the rest of the end, and their derivatives by `gap` (k,)."""
+        last = np.zeros_like(out)
+        super().answer(gap, size, last)
+        self._mean(gap, size, out)
+        out *= self.share
+        out += (1.0 - self.share) * last
+
+    def _mean(self, gap: Floats, size: Floats, out: Floats) -> None:
         """Fill `out` (2, k) with means over gaps from the start to `gap` (k,) [mm], and their derivatives by that."""
         beside, first = named(self.memory, slice(None)), self.first
         begin, end = np.minimum(self.start, first), np.minimum(gap, first)

@@ -19,17 +19,17 @@ class StepRows(Linearisation):
 
     That is max(g_n, 0) + G (x - x_n) >= 0 from the start x_n, where gaps are g_n, to the end x. The work of forces that
     hold it is -y max(g_n, 0), never positive, however surfaces turn, slide or come within reach of each other
-    (docs/theory/contact-energy.md). Springs take overlaps as they are: g_n + G (x - x_n). With friction slips are
-    R (x - x_n), R being tangents there, and friction works y_t times that. G and R are changed by as little as it takes
-    to have no moment about the mean positions, with which forces act: then angular momentum is kept.
+    (docs/theory/contact-energy.md). With friction slips are R (x - x_n), R being tangents there, and friction works
+    y_t times that. G and R are changed by as little as it takes to have no moment about the mean positions, with which
+    forces act: then angular momentum is kept.
 
-    slots  (c,) multipliers that have a condition, held (c,) [mm] their max(g_n, 0), of springs g_n
+    slots  (c,) multipliers that have a condition, held (c,) [mm] their max(g_n, 0)
     """
 
-    def __init__(self, linear: Linearisation, springs: bool) -> None:
+    def __init__(self, linear: Linearisation) -> None:
         nodes = linear.size // 2
         super().__init__(linear.pair, nodes)
-        self.linear, self.memory, self.slots, self.springs = linear, linear.memory, np.zeros(0, np.int32), springs
+        self.linear, self.memory, self.slots = linear, linear.memory, np.zeros(0, np.int32)
         self.gap, self.held, self.start = np.full(linear.pair.slots, FAR), np.zeros(0), np.zeros((nodes, 2))
         self.moved = np.zeros_like(self.start)
         sides = linear.pair.slave, linear.pair.master
@@ -54,7 +54,7 @@ class StepRows(Linearisation):
         # gaps are those that count at the end of the step: of overlaps by facets, what comes to count in it goes
         less = 0.0 if pushed is None else pushed[self.slots]
         # overlaps of the start that are pushed out put energy in on purpose
-        self.held = gap if pair.pushes_overlaps_out or self.springs else np.maximum(gap - less, 0.0) + less
+        self.held = gap if pair.pushes_overlaps_out else np.maximum(gap - less, 0.0) + less
         self.start = position.copy()
         self.gap[:], self.slip[:] = FAR, 0.0
         self.evaluate(position, position)

@@ -162,7 +162,8 @@ def _pressure_system(
             if moves
             else PressureResponse(law, store.stiffness, memory)
         )
-        system = ImplicitContactSystem(pairs, response, state, time, follows_gaps=moves)
+        system = ImplicitContactSystem(pairs, response, state, time, follows_gaps=False)
+        store.follows_steps = moves
     system.store = store
     return system
 
