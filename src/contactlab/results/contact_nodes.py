@@ -10,6 +10,8 @@ from contactlab.contact.gap_pair import GapPair
 from contactlab.contact.pair import ContactPair, ContactSnapshot
 from contactlab.kernels.contact.factored_rows import FAR
 
+ROUND = 1e-9  # of the largest force: what linear solves leave at nodes that carry none
+
 
 def node_values(pair: ContactPair, seen: ContactSnapshot) -> dict[str, np.ndarray]:
     """Pressure and shear (m,) [MPa], gap (m,) [mm] and state (m,) of every slave node; see `ContactCurve`."""
@@ -84,9 +86,10 @@ def friction_bound(pair: ContactPair, seen: ContactSnapshot) -> Floats:
 
 
 def states_of(pair: ContactPair, seen: ContactSnapshot, bound: Floats) -> Ints:
-    """States (m,) of the nodes that carry multipliers: 0 open, 1 stick, 2 slip."""
+    """States (m,) of the nodes that carry multipliers: 0 open, 1 stick, 2 slip; forces of round-off close none."""
     normal_force, tangential_force = seen.forces
-    pressed = (normal_force > 0.0) | (tangential_force != 0.0)
+    least = ROUND * normal_force.max(initial=0.0)
+    pressed = (normal_force > least) | (np.abs(tangential_force) > least)
     short = np.maximum(1e-9 * bound, pair.lagged * normal_force.max(initial=0.0))
     stick = pressed & (np.abs(tangential_force) < bound - short)
     per_slot = np.where(stick, 1, np.where(pressed, 2, 0)).astype(np.int32)
