@@ -14,12 +14,13 @@ INSTALLED := $(VENV)/installed
 # one run uses one thread; runs side by side use the cores
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
+# modules are compiled when they are first imported, and kept: tests start many processes
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: demo slim smoke test faults fuzz mutants check-parts paper pages packages site lint bench clean
 
 demo: $(RUNNABLE)
 	@out=runs/demo; n=2; while [ -e $$out ] || [ -e $$out-accuracy ]; do out=runs/demo-$$n; n=$$((n + 1)); done; \
-	unset PYTHONDONTWRITEBYTECODE; \
 	$(BIN)/contactlab compare demo --out $$out-accuracy && echo && \
 	$(BIN)/contactlab compare disc-on-block --set level=2 --set record.frames=44 --out $$out && echo && \
 	echo "What accuracy costs: $$out-accuracy/accuracy.html" && echo "The report is $$out/report.html"
@@ -99,7 +100,6 @@ slim:
 $(INSTALLED): $(RUNNABLE)
 	@echo "installing what tests need"
 	@$(PIP) install --no-compile -c constraints.txt --no-build-isolation -e ".[test]"
-	@$(BIN)/python -m compileall -qq -j 0 $(VENV)/lib || true  # some packages hold sources for other Pythons
 	@touch $@
 
 clean:

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from contactlab_solids.neo_hookean import NeoHookean
 from contactlab_statics.penalty import Penalty
+from inline import runs_inline
 
 from contactlab.api import Conditions, ImplicitEnforcement, Response
 from contactlab.api.part import KINDS
@@ -56,7 +57,8 @@ def test_examples_run(page: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
     for number, code in enumerate(code_of(page)):
         module = f"page_{page.split('.')[0].replace('-', '_')}_{number}"
         Path(f"{module}.py").write_text(code)
-        importlib.import_module(module)
+        with runs_inline():
+            importlib.import_module(module)
     default_registry.cache_clear()
 
 

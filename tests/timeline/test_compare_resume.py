@@ -14,8 +14,10 @@ from time import sleep
 from typing import Any
 
 import pytest
+from inline import runs_inline
 
 import contactlab
+from contactlab.cli import main
 from contactlab.errors import RequestError
 from contactlab.jobs import driver
 
@@ -69,9 +71,8 @@ def test_stopped_comparison_goes_on(stopped: tuple[Path, Path, str], monkeypatch
     assert row_status(folder) == ["finished", "interrupted"]
     assert (folder / "timeline.rrd").exists()
     before = stamps(folder)
-    command = [sys.executable, "-m", "contactlab.cli", *shlex.split(expected)[1:]]
-    done = subprocess.run(command, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+    with runs_inline():
+        assert main(shlex.split(expected)[1:]) == 0
     assert stamps(folder) == before, "the run that was over was written again"
     assert row_status(folder) == ["finished", "finished"]
     first, second = (contactlab.load_results(run) for run in sorted(folder.glob("runs/*")))

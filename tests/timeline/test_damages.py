@@ -18,7 +18,7 @@ from contactlab.errors import RequestError
 from contactlab.run.simulation import simulate
 
 MakeScene = Callable[..., Any]
-DAMAGES = 60
+DAMAGES = 40
 GOOD = ("as before", "told", "told, some salvaged")
 
 

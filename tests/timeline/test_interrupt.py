@@ -13,16 +13,19 @@ from time import sleep
 from typing import Any
 
 import pytest
+from tiers import some
 
 import contactlab
+from contactlab.cli import main
 
 MakeScene = Callable[..., Any]
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", some([signal.SIGINT, signal.SIGTERM], [signal.SIGINT]))
 def test_stopped_run_exits_130_and_the_printed_line_goes_on(
     number: signal.Signals, small_scene: MakeScene, tmp_path: Path
 ) -> None:
+    """What a run does on either signal is asked in test_kill.py."""
     # shallow, so that a run this long swings without the contact of so coarse a mesh adding energy
     changes = {"time.end": 4e-5, "record.frames": 100, "supports.1.uy.to": -0.05}
     (tmp_path / "scene.toml").write_text(small_scene(changes).toml())
@@ -42,11 +45,7 @@ def test_stopped_run_exits_130_and_the_printed_line_goes_on(
     assert f"stopped by {number.name} after step {summary['steps']}" in summary["reason"]
     line = told.splitlines()[-1]
     assert line == f"go on with: contactlab {shlex.join([*words, '--resume'])}"
-    done = subprocess.run(
-        [sys.executable, "-m", "contactlab.cli", *shlex.split(line.partition("contactlab ")[2])],
-        capture_output=True, text=True,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
+    assert main(shlex.split(line.partition("contactlab ")[2])) == 0
     results = contactlab.load_results(folder)
     assert results.status == "finished"
     assert results.summary["resumed_at_steps"] == [summary["steps"]]
