@@ -12,6 +12,7 @@ import re
 import subprocess
 import sys
 from dataclasses import asdict, dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -126,8 +127,10 @@ def scene_of(name: str) -> Scene:
     return found.with_({"integrator.steps": 4}) if found.integrator["use"] == "newton" else found
 
 
-def happened(scene: Scene, arrays: bool = True, plugins: str = "") -> dict[str, Any]:
-    """What a run of some steps did in a process of its own, with all plugins or some."""
+@cache
+def happened(name: str, arrays: bool = True, plugins: str = "") -> dict[str, Any]:
+    """What a run of some steps of a case did in a process of its own, with all plugins or some."""
+    scene = scene_of(name)
     steps = 2 if scene.integrator["use"] == "newton" else 60
     wish = json.dumps({"scene": scene.data, "steps": steps, "arrays": arrays})
     command, environment = [sys.executable, str(PROBE)], {**os.environ, RESTRICT: plugins}
@@ -144,7 +147,7 @@ ALWAYS = {"loaded", "static"}
 @pytest.mark.parametrize("name", some(CASES, ALWAYS))
 def test_what_happens_is_what_was_explained(name: str) -> None:
     scene = scene_of(name)
-    said, run = explain(scene, default_registry(), run_trial(scene)), happened(scene)
+    said, run = explain(scene, default_registry(), run_trial(scene)), happened(name)
     check_calls(said, run)
     check_kernels(said, run)
     check_modules(said, run)
@@ -248,7 +251,7 @@ def test_more_plugins_change_nothing(name: str) -> None:
     scene = scene_of(name)
     parts = {part.package.partition(" ")[0] for part in explain(scene, default_registry()).parts}
     needed = ",".join(sorted(parts - {"contactlab"}))
-    everything, alone = happened(scene, arrays=False), happened(scene, arrays=False, plugins=needed)
+    everything, alone = happened(name), happened(name, arrays=False, plugins=needed)
     for key in ("digest", "calls", "kernels", "per_step", "steps"):
         assert everything[key] == alone[key], key
     spared = set(everything["modules"]) - set(alone["modules"])

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tiers import some
 
 import contactlab
 from contactlab.api import WORK, Floats, StepStatus
@@ -89,23 +90,25 @@ def works(cells: int, rings: int, steps: int, tmp_path: Path) -> tuple[float, fl
     return max(closing) / BROUGHT, sum(turning) / BROUGHT
 
 
-@pytest.mark.parametrize("algorithm", ["node-on-segment", "mortar-p0", "mortar-p1"])
+HITS: dict[str, dict[str, Any]] = {
+    "head on": {"bodies.lower.shift": [0.0, -2.0]},
+    "off centre": {},
+    "friction": {"contacts.0.friction": COULOMB},
+    "friction, q2": {"contacts.0.friction": COULOMB, "bodies.upper.element": "q2", "bodies.lower.element": "q2"},
+}
+NODES = [(hit, "node-on-segment") for hit in HITS]
+
+
 @pytest.mark.parametrize(
-    "changes",
-    [
-        {"bodies.lower.shift": [0.0, -2.0]},
-        {},
-        {"contacts.0.friction": COULOMB},
-        {"contacts.0.friction": COULOMB, "bodies.upper.element": "q2", "bodies.lower.element": "q2"},
-    ],
-    ids=["head on", "off centre", "friction", "friction, q2"],
+    ("hit", "algorithm"),
+    [(hit, f"mortar-p{number}") for number in (0, 1) for hit in HITS] + some(NODES, NODES[::2]),
 )
-def test_consistent_forces_keep_what_is_to_be_kept(algorithm: str, changes: dict[str, Any], tmp_path: Path) -> None:
+def test_consistent_forces_keep_what_is_to_be_kept(hit: str, algorithm: str, tmp_path: Path) -> None:
     """Published ones make 140 % of the energy in a head-on hit of these discs: weights change as segments get near."""
     (tmp_path / "discs.toml").write_text(SCENE.format(cells=4, more=5, rings=3, steps=100, forces="auto"))
     # what is left of equations of motion is a force that nothing answers: spin is as exact as they are solved
     fixed = {"contacts.0.algorithm": algorithm, "bodies.upper.spin": 2e4, "integrator.tolerance": 1e-10}
-    scene = contactlab.load_scene(tmp_path / "discs.toml").with_({**fixed, **changes})
+    scene = contactlab.load_scene(tmp_path / "discs.toml").with_({**fixed, **HITS[hit]})
     model = build(scene, scene.registry)
     advance, mass, state = model.bound_integrator().step, model.mass, model.state
     energy, works = [model.kinetic_energy()], [np.zeros(2)]
@@ -122,7 +125,7 @@ def test_consistent_forces_keep_what_is_to_be_kept(algorithm: str, changes: dict
     assert np.abs(mass @ state["velocity"] - momentum).max() < 1e-12 * brought
     assert np.abs(np.subtract(spin, spin[0])).max() < 1e-12 * brought  # times 1 mm, the radius of a disc
     assert works[-1][0] < -1e-4 * BROUGHT  # that of nodes that were stopped
-    assert (works[-1][1] < -1e-3 * BROUGHT) == ("contacts.0.friction" in changes)
+    assert (works[-1][1] < -1e-3 * BROUGHT) == ("contacts.0.friction" in HITS[hit])
 
 
 def spin_of(model: Model) -> float:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tiers import some
 
 import contactlab
 from contactlab.api import Floats
@@ -158,7 +159,7 @@ def test_it_tends_to_multipliers_of_the_same_rows() -> None:
     assert max(stiff) < 3e-2 * max(found[2])
 
 
-@pytest.mark.parametrize("swap", [False, True])
+@pytest.mark.parametrize("swap", some([False, True], [False]))
 def test_the_skew_variant_is_right_for_any_gamma(swap: bool) -> None:
     """From 0.01 to 100 times the default, reaction and pressure differ by no more than a coarse mesh does.
 

@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from tiers import some
 
 import contactlab
 from contactlab.api import Floats
@@ -156,6 +157,7 @@ def hertz(n: int, element: str, enforcement: Any) -> Run:
 PROBLEMS = {"two_rings": two_rings, "hertz": hertz}
 COARSE = {("two_rings", "q1"): 12, ("two_rings", "q2"): 6, ("hertz", "q1"): 16, ("hertz", "q2"): 8}
 FINE = {"two_rings": 48, "hertz": 64}
+ORDERS = {"q1": 0.9, "q2": 1.4}
 
 
 @cache
@@ -163,18 +165,19 @@ def fine(problem: str) -> Run:
     return PROBLEMS[problem](FINE[problem], "q2", "active-set")
 
 
-@pytest.mark.parametrize("theta", [-1, 0, 1])
-@pytest.mark.parametrize(("element", "least"), [("q1", 0.9), ("q2", 1.4)])
-@pytest.mark.parametrize("problem", PROBLEMS)
+VARIANTS = [(problem, element, theta) for problem in PROBLEMS for element in ORDERS for theta in (-1, 0, 1)]
+
+
+@pytest.mark.parametrize(("problem", "element", "theta"), some(VARIANTS, VARIANTS[::4] + VARIANTS[9:10]))
 def test_displacements_converge_with_the_order_of_the_best_approximation(
-    problem: str, element: str, least: float, theta: int
+    problem: str, element: str, theta: int
 ) -> None:
-    """Measured: 0.97 with q1, 1.49 and 1.75 with q2; on finer meshes 1.63 to 1.96 (docs/theory/nitsche.md)."""
+    """By turns each problem and element, and each of the variants. Measured: 0.97 with q1, 1.49 and 1.75 with q2; on finer meshes 1.63 to 1.96 (docs/theory/nitsche.md)."""
     nitsche = {"use": "nitsche", "theta": theta}
     errors = []
     for times in (1, 2):
         errors.append(distance(PROBLEMS[problem](times * COARSE[problem, element], element, nitsche), fine(problem)))
-    assert np.log2(errors[0] / errors[1]) > least
+    assert np.log2(errors[0] / errors[1]) > ORDERS[element]
     assert errors[1] < 0.2
 
 

@@ -21,7 +21,10 @@ SHORTER = {
     "stack": {"time.end": 0.15},  # the weight is all there at 0.1 s, and a wave is 1.2 ms on its way
 }
 """Ends after which nothing new happens; `make test FULL=1` follows these scenes to their own."""
-ELSEWHERE = {"three-body-forging"}  # case forging of the quick matrix runs it on cells twice as long
+ELSEWHERE = {
+    "three-body-forging",  # case forging of the quick matrix runs it on cells twice as long
+    "corner-slide",  # test_leaning_forces.py runs it, and asks that it ends and warns of nothing
+}
 
 
 @pytest.mark.parametrize(
