@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, field
+from statistics import median
 from typing import Any
-
-import numpy as np
 
 from contactlab.accuracy.configuration import Configuration
 from contactlab.accuracy.judged import ForcesJudged, Judge, PressuresJudged, forces_of, frames_of
@@ -67,7 +66,7 @@ class Trial:
     @property
     def cost(self) -> float:
         """Median of its CPU times [s]."""
-        return float(np.median(self.costs)) if self.costs else math.nan
+        return median(self.costs) if self.costs else math.nan
 
 
 Place = tuple[Configuration, int]
