@@ -101,7 +101,7 @@ def fork_server() -> Iterator[ForkServer]:
 
 @pytest.fixture(scope="module")
 def scene(small_scene: MakeScene) -> Any:
-    return small_scene({"contacts.0.friction": {"use": "coulomb", "mu": 0.2}, "record.frames": 40})
+    return small_scene({"contacts.0.friction": {"use": "coulomb", "mu": 0.2}, "record.frames": 40, "time.end": 4e-6})
 
 
 @pytest.mark.parametrize("kills", [KILLS, pytest.param(20, marks=pytest.mark.full)])
@@ -258,7 +258,7 @@ def test_full_disk_keeps_what_was_written(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     # few frames are asked for, more are stored during the hold: room is made several times
-    scene = small_scene({"time.end": "auto", "time.ramp": 2e-6, "time.hold": 1e-5, "record.frames": 5})
+    scene = small_scene({"time.end": "auto", "time.ramp": 1e-6, "time.hold": 5e-6, "record.frames": 5})
     assert fork_server.run(scene, tmp_path / "whole").status == 0
     whole = contactlab.load_results(tmp_path / "whole")
     monkeypatch.setattr("contactlab.results.vtkhdf.pack", lambda path: None)  # a file that grows is not compressed
