@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 
 import pytest
 
+from contactlab import comparison
 from contactlab.jobs import driver
 from contactlab.jobs.processes import Call, Pool, ProcessDiedError, RaisedError, StoppedError, TimedOutError
 from contactlab.jobs.scheduler import LOCAL
@@ -45,9 +46,11 @@ class Inline(Pool):
 
 
 @contextmanager
-def runs_inline() -> Iterator[None]:
-    """No processes for runs of this machine, inside."""
+def runs_inline(report: bool = True) -> Iterator[None]:
+    """No processes for runs of this machine, inside; without `report` no page and pictures of a comparison."""
     whole = driver.open_pool
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(driver, "open_pool", lambda where, *rest: Inline() if where == LOCAL else whole(where, *rest))
+        if not report:
+            patch.setattr(comparison, "write_report", lambda *_: None)
         yield

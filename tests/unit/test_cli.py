@@ -168,15 +168,6 @@ class TestListings:
         assert ("contact", "mortar-p0") in {(part["kind"], part["name"]) for part in listed["parts"]}
 
 
-def test_explain_says_what_a_scene_does_not_call_for(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["explain", "disc-on-block", *QUICK, "--set", "contacts.0.algorithm=mortar-p1", "--all"]) == 0
-    rows = [line.split() for line in capsys.readouterr().out.splitlines()]
-    assert ["friction", "no", "not", "declared"] in rows
-    assert ["contact", "yes", "contacts.0"] in rows
-    assert any(row[:2] == ["contacts.0.algorithm", "mortar-p1"] for row in rows)
-    assert not any("tangent" in word for row in rows for word in row)
-
-
 class TestDoctor:
     def test_a_contact_step_works(self, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setenv("COLUMNS", "400")

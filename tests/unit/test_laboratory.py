@@ -63,13 +63,6 @@ def test_a_matrix_is_judged_and_found_again(tmp_path: Path, capsys: pytest.Captu
     assert [result.measures for _, result in again.cells] == [result.measures for _, result in first.cells]
 
 
-def test_a_scene_is_explained() -> None:
-    found = contactlab.explain(contactlab.load_scene("two-bars").with_({"record.recorders": []}))
-    assert found.price is not None
-    assert found.price.least_s <= found.price.cpu_s <= found.price.most_s
-    assert {effect.effect for effect in found.effects if effect.called_for} >= {"inertia", "contact"}
-
-
 def test_a_choice_is_made_of_keys_that_a_run_takes(tmp_path: Path) -> None:
     """Every finer mesh of the bars is refused, so that no error can be measured: there is a choice all the same."""
     found = contactlab.choose("two-bars", 0.05, search=2.0, jobs=1)

@@ -36,7 +36,7 @@ def test_a_run_names_scene_parts_and_works(tmp_path: Path, capsys: pytest.Captur
 
 def test_a_comparison_names_the_parts_of_all_its_runs_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     algorithms = ["node-on-segment", "mortar-p1"]
-    with runs_inline():
+    with runs_inline(report=False):
         compare(
             load_scene("disc-on-block").with_(SHORT), {"contacts.0.algorithm": algorithms}, out=tmp_path / "two", jobs=1
         )

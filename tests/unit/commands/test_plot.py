@@ -24,7 +24,7 @@ def folders(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     place = tmp_path_factory.mktemp("plot")
     scene = contactlab.load_scene("disc-on-block").with_(SMALL)
     contactlab.simulate(scene, out=place / "run")
-    with runs_inline():
+    with runs_inline(report=False):
         contactlab.compare(scene, {"contacts.0.swap": [False, True]}, out=place / "two", jobs=1, progress=False)
     return {"run": place / "run", "two": place / "two"}
 

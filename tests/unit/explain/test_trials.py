@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+import contactlab
 from contactlab.cli import main
 from contactlab.commands.effect_costs import effect_costs
 from contactlab.commands.explain import price_lines
@@ -78,12 +79,24 @@ def test_a_trial_that_failed_is_no_cost(scene: Scene) -> None:
 def test_a_trial_is_made_once_and_foresees_the_run(
     scene: Scene, own_cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    settings = ["--set", "record.recorders=[]"]
+    """The command, in words and as data, and the function need one process among them."""
+    scene = scene.with_({"contacts.0.algorithm": "mortar-p1"})
+    settings = ["--set", "record.recorders=[]", "--set", "contacts.0.algorithm=mortar-p1"]
     assert main(["explain", "two-bars", *settings, "--json"]) == 0
     price = json.loads(capsys.readouterr().out)["price"]
     monkeypatch.setattr(trial_run.subprocess, "run", None)  # no process any more
     assert main(["explain", "two-bars", *settings, "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["price"] == price
+    assert main(["explain", "two-bars", *settings, "--all"]) == 0
+    rows = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert ["friction", "no", "not", "declared"] in rows
+    assert ["contact", "yes", "contacts.0"] in rows
+    assert any(row[:2] == ["contacts.0.algorithm", "mortar-p1"] for row in rows)
+    assert not any("tangent" in word for row in rows for word in row)
+    found = contactlab.explain(scene)
+    assert found.price is not None
+    assert found.price.least_s <= found.price.cpu_s <= found.price.most_s
+    assert {effect.effect for effect in found.effects if effect.called_for} >= {"inertia", "contact"}
     results = simulate(scene, out=tmp_path / "run")
     assert price["steps"] == pytest.approx(results.summary["steps"], rel=0.05)
     assert 0.0 < price["least_s"] < price["cpu_s"] < price["most_s"]
@@ -93,7 +106,8 @@ def test_a_trial_is_made_once_and_foresees_the_run(
 def test_a_scene_that_is_changed_by_a_digit_has_no_trial(
     scene: Scene, own_cache: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("contactlab.explanation.kept.run_trial", lambda *_: trial("finished", "", 40, 0, 1.0, 0.0, 1.0, 9.0))
+    made = trial("finished", "", 40, 0, 1.0, 0.0, 1.0, 9.0)
+    monkeypatch.setattr("contactlab.explanation.kept.run_trial", lambda *_: made)
     with trials() as archive:
         tried(scene, archive)
         assert kept(scene, archive) is not None

@@ -124,6 +124,7 @@ class TestRecording:
             return perform(*call)
 
         monkeypatch.setattr(driver, "perform", interrupted)
+        monkeypatch.setattr("contactlab.comparison.write_report", lambda *_: None)
         with pytest.raises(KeyboardInterrupt):
             compare("disc-on-block", {"contacts.0.swap": [False, True], "level": [1, 3, 4, 5]}, out=tmp_path, jobs=1)
         with (tmp_path / "table.csv").open(newline="") as file:
