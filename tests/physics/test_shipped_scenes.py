@@ -18,7 +18,7 @@ MEANT = {
 """Warnings that a scene deserves and is meant to have."""
 SHORTER = {
     "disc-in-box": {"time.end": 2.5e-3},  # four bounces, at both pairs of walls
-    "stack": {"time.end": 0.15},  # the weight is all there at 0.1 s, and a wave is 1.2 ms on its way
+    "stack": {"time.end": 0.12},  # the weight is all there at 0.1 s, and a wave is 1.2 ms on its way
 }
 """Ends after which nothing new happens; `make test FULL=1` follows these scenes to their own."""
 ELSEWHERE = {

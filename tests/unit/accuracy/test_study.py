@@ -117,7 +117,9 @@ def _planned(path: str) -> None:
     plan(study, default_registry())
 
 
-def test_a_study_is_run_once_and_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_study_is_run_once_and_written(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / "tiny.toml").write_text(TINY)
     words = ["compare", str(tmp_path / "tiny.toml"), "--out", str(tmp_path / "out"), "--jobs", "1"]
     assert main(words) == 0
@@ -131,6 +133,7 @@ def test_a_study_is_run_once_and_written(tmp_path: Path, capsys: pytest.CaptureF
     own = re.sub(r"<script.*?</script>", "", page, flags=re.DOTALL)  # the plot library's text names its home page
     assert not re.search(r'(src|href)="(https?:)?//', own)  # it asks nobody for anything
     assert "<script src" not in page
+    monkeypatch.setattr("contactlab.reports.accuracy_page.write_accuracy_page", lambda *_, **__: None)
     assert main([*words, "--resume"]) == 0
     with (tmp_path / "out" / "accuracy.csv").open() as file:
         assert list(csv.DictReader(file)) == first  # times and all: nothing was run again
