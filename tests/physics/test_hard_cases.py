@@ -13,6 +13,7 @@ import math
 import case_rows
 import cases_page
 import pytest
+from tiers import some
 
 from contactlab.api import Setup
 from contactlab.cases.run_case import evaluated, run_case
@@ -53,6 +54,7 @@ EVERY_TIME = {name for name, algorithm in SILENT if algorithm == "node-on-segmen
 """Cases of which the test says more of node-on-segment than what is on the page: of the others every second takes part,
 and all with FULL=1. The mortars take turns in every case (conftest.py)."""
 BY_TURNS = [name for name in CASES if name not in EVERY_TIME][::2]
+ALWAYS = [(name, algorithm) for name, algorithm in CELLS if algorithm != "node-on-segment" or name not in BY_TURNS]
 
 
 def finding(name: str, algorithm: str) -> Finding:
@@ -62,11 +64,7 @@ def finding(name: str, algorithm: str) -> Finding:
     return judge(case, chosen, done, evaluated(case, chosen, done))
 
 
-def tier(name: str, algorithm: str) -> list[pytest.MarkDecorator]:
-    return [pytest.mark.full] if algorithm == "node-on-segment" and name in BY_TURNS else []
-
-
-@pytest.mark.parametrize(("name", "algorithm"), [pytest.param(*cell, marks=tier(*cell)) for cell in CELLS])
+@pytest.mark.parametrize(("name", "algorithm"), some(CELLS, ALWAYS))
 def test_cell_of_the_quick_matrix(name: str, algorithm: str) -> None:
     found = finding(name, algorithm)
     assert_as_on_the_page(name, algorithm, found)
