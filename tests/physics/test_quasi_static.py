@@ -174,6 +174,19 @@ def test_too_fast_and_too_damped_runs_are_told() -> None:
     assert told.key == "time.ramp"
 
 
+def test_a_column_that_is_let_go_is_at_rest() -> None:
+    """Pressed and released: what vibrates on is judged by what has pressed, as nothing else is left to judge it by.
+
+    Vibrations of the release are below a hundredth of the force, as inertia is with such a ramp.
+    """
+    times = {"ramp": "table", "to": -0.01, "points": [[0.0, 0.0], [2e-4, 1.0], [4e-4, 0.0]]}
+    results = simulate(stacked(2).with_({"supports.1.uy": times}))
+    assert results.status == "finished", results.reason
+    assert "unbalanced-reactions" not in {warning.code for warning in results.warnings}
+    history = results.history
+    assert abs(history["energy.internal"][-1]) < 1e-4 * history["energy.internal"].max()  # 1 % of the motion, squared
+
+
 @pytest.mark.parametrize("material", [None, {"use": "linear-hardening", "yield_stress": 1e-9, "hardening": 10.0}])
 def test_damping_of_a_load_that_acts_at_once_is_told_where_the_way_matters(material: dict[str, Any] | None) -> None:
     """An elastic column has one place to rest in, however it falls there; a plastic one keeps what the fall made."""

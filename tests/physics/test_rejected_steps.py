@@ -12,6 +12,7 @@ from contactlab.api import Floats, Integrator, StepStatus
 from contactlab.model.build import build
 from contactlab.model.memory import model_memory, restore_model
 from contactlab.model.model import Model
+from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene
 
 ALGORITHMS = pytest.mark.parametrize("algorithm", ["node-on-segment", "mortar-p0", "mortar-p1"])
@@ -109,3 +110,50 @@ def test_every_integrator_is_among_these() -> None:
         name for name in registry.names("integrator") if issubclass(registry.part_class("integrator", name), Integrator)
     }
     assert names == {"newton", "implicit-dynamics", "central-difference"}
+
+
+def test_a_load_step_that_ends_among_turned_cells_is_cut() -> None:
+    """A wedge under a block: Newton's method finds a state with cells of the block turned over at their corners.
+
+    It is an equilibrium, with five hundred times the energy that the supports have supplied. The force of the slave
+    that does not get there is the right one; they differ as much as two mortars do. F/N is tan(beta + phi) either way.
+    """
+    angle, mu, width = np.radians(10.0), 0.1, 2.0
+    slope = float(np.tan(angle))
+    blocks = {
+        "wedge": (210000.0, [[-width, 0.0], [width, 0.0], [width + 12.0 * slope, 12.0], [-width, 12.0]], [2, 14]),
+        "block": (2000.0, [[width, 0.0], [16.0, 0.0], [16.0, 8.0], [width + 8.0 * slope, 8.0]], [4, 9]),
+    }
+    law = {"use": "neo-hookean", "poisson": 0.3, "density": 1e-9}
+    scene = Scene.from_data(
+        {
+            "integrator": {"use": "newton", "steps": 6},
+            "materials": {name: {**law, "young": young} for name, (young, _, _) in blocks.items()},
+            "bodies": {
+                name: {
+                    "element": "q1",
+                    "material": name,
+                    "mesh": {"use": "quad-block", "corners": corners, "cells": cells},
+                }
+                for name, (_, corners, cells) in blocks.items()
+            },
+            "contacts": [
+                {
+                    "slave": "wedge.right",
+                    "master": "block.left",
+                    "algorithm": "mortar-dual",
+                    "friction": {"use": "coulomb", "mu": mu},
+                }
+            ],
+            "supports": [
+                {"on": "block.right", "ux": 0.0, "uy": 0.0},
+                {"on": "wedge.top", "ux": 0.0, "uy": {"ramp": "linear", "to": -0.9}},
+            ],
+        }
+    )
+    dual, other = (simulate(scene.with_({"contacts.0.algorithm": use})) for use in ("mortar-dual", "mortar-p1"))
+    assert dual.status == "finished", dual.reason
+    force, expected = (np.abs(r.summary["reactions"]["block.right"]) for r in (dual, other))
+    assert np.allclose(force, expected, rtol=1e-3)
+    # the flank turns by some 1e-3 as the wedge gives way, a hundredth of the block's strain of 5 %
+    assert force[1] / force[0] == pytest.approx(np.tan(angle + np.arctan(mu)), rel=5e-3)

@@ -9,6 +9,7 @@ import pytest
 
 from contactlab.model.build import build
 from contactlab.parts.registry import default_registry
+from contactlab.run.schedule import SAMPLES, Schedule
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene
 
@@ -53,6 +54,26 @@ def test_a_run_under_weight_settles() -> None:
     results = simulate(pressed(effects=[{"use": "gravity", "acceleration": [0.0, -1e8], "ramp": ramp}]))
     assert results.status == "finished", results.reason
     assert results.summary["reactions"]["lower.bottom"][1] == pytest.approx(0.4, rel=2e-4)
+
+
+@pytest.mark.parametrize(("left", "settled"), [(0.05, False), (1e-6, True)])
+def test_what_is_left_of_a_released_body_is_judged_by_what_has_pressed_it(left: float, settled: bool) -> None:
+    """The end of an elastic run that is unloaded has no energy of its own, and reactions of vibrations alone.
+
+    One support keeps a share of the force of the run: a twentieth is no rest, a millionth is (2e-4 of a hundredth).
+    """
+    scene = pressed()
+    model = build(scene, default_registry())
+    schedule, state = Schedule(model, scene), model.state
+    node = model.loading.supports[0].nodes[0]
+    state["reaction"][node, 1], state["work"][0], state["clock"][0] = 100.0, 1.0, schedule.next_frame
+    assert schedule.frame_due()
+    state["reaction"][node, 1], state["work"][0] = 100.0 * left, left**2
+    for _ in range(SAMPLES + 1):
+        assert not schedule.settled
+        state["clock"][0] = schedule.next_sample
+        schedule.done()
+    assert schedule.settled == settled
 
 
 @pytest.mark.parametrize(("weight", "young"), [(0.1, 1e3), (1e-5, 2e5)])

@@ -11,18 +11,20 @@ from contactlab.api.compiled.kernel import kernel
 def status_changes(forces, pressed):
     """Conditions (k,) that begin or cease to carry a force since `pressed` (k,) was filled, which is renewed.
 
-    Returns the number of changes, the number of conditions that carry a force now or did then, and one that changed.
+    Returns the number of changes, the number of conditions that carry a force now or did then, one that changed, and
+    the largest force.
     """
-    changes, conditions, last = 0, 0, -1
+    changes, conditions, last, largest = 0, 0, -1, 0.0
     for k in range(forces.size):
         now = forces[k] > 0.0
+        largest = max(largest, forces[k])
         if now or pressed[k]:
             conditions += 1
         if now != pressed[k]:
             changes += 1
             last = k
         pressed[k] = now
-    return changes, conditions, last
+    return changes, conditions, last, largest
 
 
 @kernel

@@ -13,7 +13,7 @@ from contactlab.missing_effects.missing_effect import Detectors, needed, per_cen
 from contactlab.model.loading.declared import courses_in
 from contactlab.model.model import Model
 from contactlab.model.timing import A_PERIOD
-from contactlab.results.reaction_balance import reaction_mismatch
+from contactlab.results.reaction_balance import reaction_sum
 
 if TYPE_CHECKING:
     from contactlab.scene.scene import Scene
@@ -86,20 +86,23 @@ class KineticEnergy:
 
 
 class Balance:
-    """`worst`: largest mismatch of reactions at a frame after the first fifth of the ramp.
+    """`worst`: largest mismatch of reactions at a frame after the first fifth of the ramp, and largest reaction [N].
 
-    Frames in which bodies are still on their way to each other, or kinetic energy is not small, are not judged.
+    Frames in which bodies are still on their way to each other, or kinetic energy is not small, are not judged, nor
+    those in which reactions are smaller than what the largest so far may be off by: a body that was let go.
     """
 
     def __init__(self, model: Model) -> None:
-        self.model, self.worst = model, np.zeros(1)
+        self.model, self.worst = model, np.zeros(2)
 
     def update(self) -> None:
         """Take in the sum of reactions and loads over the largest of them."""
         model = self.model
+        total, largest = reaction_sum(model)
+        self.worst[1] = max(self.worst[1], largest)
         slow = model.kinetic_energy() <= SHARE * abs(float(model.state["work"][0]))
-        if slow and model.state.time >= EARLY * model.timing.last:
-            self.worst[0] = np.fmax(self.worst[0], reaction_mismatch(model))
+        if slow and model.state.time >= EARLY * model.timing.last and largest > UNBALANCED * self.worst[1]:
+            self.worst[0] = np.fmax(self.worst[0], total / largest)
 
     def warning(self) -> RunWarning | None:
         """A slower ramp: vibrations fade while it lasts, and inertia goes with the square of its speed."""

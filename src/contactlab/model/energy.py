@@ -31,15 +31,22 @@ def energy_gain(model: Model) -> EnergyGain:
     (docs/theory/explicit-scheme.md).
     The work of the stresses is exactly that then, for any stable step.
     """
-    state, work = model.state, float(model.state["work"][0])
-    stored = float(sum(forces.stored_energy() + forces.numerical_energy() for forces in model.forces))
-    unexplained = 0.0
-    if np.isnan(stored):
-        stored = work
-    else:
-        stored -= model.lagging_work()
-        unexplained = stored + sum(forces.dissipated_energy() for forces in model.forces) - work
+    state = model.state
+    stored, unexplained = stored_energy(model)
     energy = model.kinetic_energy() + stored
     if model.contact is not None:
         energy += model.contact.stored_since_start
     return EnergyGain(energy, energy - model.initial_energy - float(state["work"][1]), unexplained)
+
+
+def stored_energy(model: Model) -> tuple[float, float]:
+    """Energy [mJ] in the bodies, and what of it and of their dissipation is beyond the work of the stresses.
+
+    A law that stores no energy has taken all of that work, as far as is known.
+    """
+    work = float(model.state["work"][0])
+    stored = float(sum(forces.stored_energy() + forces.numerical_energy() for forces in model.forces))
+    if np.isnan(stored):
+        return work, 0.0
+    stored -= model.lagging_work()
+    return stored, stored + sum(forces.dissipated_energy() for forces in model.forces) - work

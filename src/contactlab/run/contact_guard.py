@@ -21,6 +21,8 @@ PATIENCE = 50  # consecutive steps with a loose residual before the run is stopp
 FLICKER = 0.3  # share of the conditions whose status changes within a step
 FEWEST = 4  # conditions below which a share means nothing: a corner's one or two alternate by nature
 CHATTER = 100  # consecutive steps that flicker before the run is stopped
+FEEBLE = 1e-4  # of the largest nodal force of the run: bodies that came apart and rattle with less change no answer
+FADE = 0.9  # of that force from step to step: what rattled with more when the bodies came apart is forgotten
 TOO_DEEP = 0.5  # segment lengths
 APART = 0.1  # segment lengths between surfaces that do not touch any more
 FAR_SIDE = 2.0  # segment lengths beyond which a node is on the far side of a thin body
@@ -31,6 +33,7 @@ class ContactGuard:
 
     pressed, closed    (k,) multipliers that pressed at the last step, and at any time
     loose, flickering  consecutive steps whose contact was not solved, or whose conditions changed too much
+    largest, rattling  [N] largest nodal forces of the run, and of the last steps that flickered
     before             (N, 2) [mm] positions at the last look
     """
 
@@ -42,6 +45,7 @@ class ContactGuard:
         self.pressed = np.zeros(len(self.forces), np.bool_)
         self.closed = self.pressed.copy()
         self.loose = self.flickering = 0
+        self.largest = self.rattling = 0.0
         self.before = model.position.copy() if self.pairs else model.position
         self.unheld = () if model.integrator.inertia else _unheld(model, self.pairs)
 
@@ -52,13 +56,18 @@ class ContactGuard:
             self._not_solved(residual)
         if not self.pairs:
             return
-        changes, conditions, last = status_changes(self.forces, self.pressed)
+        changes, conditions, last, force = status_changes(self.forces, self.pressed)
         if changes:
             self.closed |= self.pressed
+        self.largest = max(self.largest, force)
         flickers = conditions >= FEWEST and changes > FLICKER * conditions
-        self.flickering = self.flickering + 1 if flickers else 0
+        self.flickering, self.rattling = (
+            (self.flickering + 1, max(FADE * self.rattling, force)) if flickers else (0, 0.0)
+        )
         if self.flickering >= CHATTER:
-            self._chatters(changes, conditions, last)
+            if self.rattling > FEEBLE * self.largest:
+                self._chatters(changes, conditions, last)
+            self.flickering, self.rattling = 0, 0.0
 
     def _not_solved(self, residual: float) -> None:
         stop(

@@ -7,12 +7,16 @@ from typing import Any
 import numpy as np
 
 from contactlab.api import Floats, RunWarning
-from contactlab.model.energy import EnergyGain, energy_gain
+from contactlab.model.energy import EnergyGain, energy_gain, stored_energy
 from contactlab.model.model import Model
+from contactlab.results.strain_scale import energy_of_strain
 from contactlab.run.stopping import stop
 
 UNEXPLAINED = 0.01  # energy stored without work, over the largest that was there, was supplied or is to come
 IN_A_STEP = 1e-3  # of it, in one step of an implicit run: a longer step is cut, whose error falls with its cube
+UPHILL = (
+    0.6  # of all energy, in one load step: the trapezoidal rule is off by a half at most where forces rise steadily
+)
 GAIN = 0.1  # the same for energy that contact makes: weak conditions on coarse meshes make some per cent
 MADE = 0.01  # energy that contact has made in all, whatever damping took of it since: told
 TOO_MUCH_MADE = 0.1  # and the run is stopped
@@ -86,9 +90,16 @@ class EnergyGuard:
     def step_made_energy(self) -> bool:
         """Whether the step just made by itself stored more energy than it may: stresses change too much in it."""
         if self.come is None:
-            return False
+            return self._uphill()
         before, (_, _, self.unexplained) = self.unexplained, self._measure()
         return self.unexplained - before > IN_A_STEP * self.scale
+
+    def _uphill(self) -> bool:
+        """Whether a load step jumped to another equilibrium with more energy than its forces can have supplied."""
+        if self.model.integrator.inertia or not self.model.way_followed:
+            return False
+        before, (stored, self.unexplained) = self.unexplained, stored_energy(self.model)
+        return self.unexplained - before > UPHILL * max(stored, energy_of_strain(self.model, ROUND))
 
     def _measure(self) -> EnergyGain:
         found = energy_gain(self.model)

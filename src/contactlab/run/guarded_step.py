@@ -16,10 +16,15 @@ MOST = 5  # times in a row that a step is cut for a guard: what 1/32 of it does 
 
 
 class GuardedStep:
-    """Advances a model that can take steps back; the guards' last word is that of the run."""
+    """Advances a model that can take steps back; the guards' last word is that of the run.
 
-    def __init__(self, advance: Callable[[float], Step], model: Any, guards: Guards | NoGuards) -> None:
-        self.advance, self.model, self.guards = advance, model, guards
+    What a step stores is compared with its work, unless it `skips` the way to its end.
+    """
+
+    def __init__(
+        self, advance: Callable[[float], Step], model: Any, guards: Guards | NoGuards, skips: Callable[[], bool]
+    ) -> None:
+        self.advance, self.model, self.guards, self.skips = advance, model, guards, skips
         self.objections, self.controlled = 0, model.integrator.control() is not None
 
     def __call__(self, dt: float) -> Step:
@@ -31,7 +36,8 @@ class GuardedStep:
             return step
         try:
             self.guards.check_positions()
-            reason = ENERGY if self.guards.step_made_energy() and self.objections < MOST else ""
+            made = not self.skips() and self.guards.step_made_energy()
+            reason = ENERGY if made and self.objections < MOST else ""
         except SimulationFailure as failure:
             if self.objections == MOST:
                 raise

@@ -73,13 +73,15 @@ class Guards:
         """Everything that changes while the run goes on, as arrays of a checkpoint."""
         contact, energy = self.contact, self.energy
         pushed = energy.pushed, energy.rate, energy.counted, energy.unexplained
-        numbers = (contact.loose, self.motion.input_speed, contact.flickering, energy.largest, *pushed, *energy.since)
+        chatter = contact.flickering, contact.rattling, contact.largest
+        numbers = (contact.loose, self.motion.input_speed, *chatter, energy.largest, *pushed, *energy.since)
         return {"guards": np.array(numbers, np.float64), "guards.pressed": contact.pressed + 2.0 * contact.closed}
 
     def restore(self, memory: Mapping[str, Floats]) -> None:
         """Go back to where `memory` was saved."""
         contact, energy = self.contact, self.energy
-        loose, self.motion.input_speed, flickering, energy.largest, *more = memory["guards"].tolist()
+        loose, self.motion.input_speed, flickering, *more = memory["guards"].tolist()
+        contact.rattling, contact.largest, energy.largest, *more = more
         (energy.pushed, energy.rate, energy.counted, energy.unexplained), energy.since[:] = more[:4], more[4:]
         contact.loose, contact.flickering = int(loose), int(flickering)
         contact.pressed[:] = memory["guards.pressed"] % 2.0 == 1.0

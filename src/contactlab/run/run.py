@@ -106,7 +106,7 @@ class Run:
             return ControlledStep(integrator.step, self.model)
         from contactlab.run.guarded_step import GuardedStep
 
-        return GuardedStep(integrator.step, self.model, self.guards)
+        return GuardedStep(integrator.step, self.model, self.guards, lambda: self.schedule.skips)
 
     @property
     def every_step(self) -> tuple[Callable[[Step, float], None], ...]:

@@ -11,7 +11,7 @@ import numpy as np
 from contactlab.api import Floats, RunWarning, Step
 from contactlab.errors import SceneError, SimulationFailure
 from contactlab.model.model import Model
-from contactlab.results.reaction_balance import reaction_mismatch
+from contactlab.results.reaction_balance import reaction_mismatch, reaction_sum
 from contactlab.run.stopping import stop
 from contactlab.run.swings import Swing, frame_warnings, step_warnings, swings_of
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 SETTLED_MISMATCH = 2e-4  # of support reactions, over the last period
 SETTLED_KINETIC = 1e-3  # kinetic over internal energy
+LET_GO = 0.01  # of the largest reactions of the run: smaller ones count as that, and energies as its square
 SAMPLES = 40  # samples per period while waiting to settle
 SAME_TIME = 1e-12  # relative: round-off of sums of steps that meet a time
 ROUND_OFF = 1.0 + 1e-6  # of the stable step: what a step may be longer that was meant to be as long
@@ -49,6 +50,7 @@ class Schedule:
         self.next_sample = self.timing.last
         self.samples: deque[tuple[float, float]] = deque(maxlen=SAMPLES + 1)
         self.settled = False
+        self.largest = np.zeros(2)  # reaction [N] and internal energy [mJ] at frames, by which what is left is judged
         if self.swings:
             model.warnings.add(*self._too_coarse())
 
@@ -198,7 +200,15 @@ class Schedule:
 
     def frame_due(self) -> bool:
         """Whether the state just reached is to be stored: now and then, and at the end of the run."""
-        return self._interval_over() or self._over(self.end)
+        if due := self._interval_over() or self._over(self.end):
+            self._look()
+        return due
+
+    def _look(self) -> None:
+        """Take in the largest reaction and the internal energy of a run that is to settle."""
+        if self.timing.until_settled:
+            now = reaction_sum(self.model)[1], abs(self.state["work"][0])
+            np.maximum(self.largest, now, out=self.largest)
 
     def _interval_over(self) -> bool:
         if self.state.time < self.next_frame * (1.0 - 1e-12):
@@ -231,8 +241,9 @@ class Schedule:
         return self.settled
 
     def _settled(self) -> bool:
-        energy = max(abs(self.state["work"][0]), 1e-300)
-        self.samples.append((reaction_mismatch(self.model), self.model.kinetic_energy() / energy))
+        force, energy = LET_GO * self.largest[0], LET_GO**2 * self.largest[1]
+        energy = max(abs(self.state["work"][0]), energy, 1e-300)
+        self.samples.append((reaction_mismatch(self.model, force), self.model.kinetic_energy() / energy))
         if len(self.samples) <= SAMPLES:
             return False
         mismatch, kinetic = self.worst()
@@ -264,7 +275,15 @@ class Schedule:
         """Everything that changes while the run goes on."""
         samples = np.full((SAMPLES + 1, 2), np.nan)
         samples[: len(self.samples)] = list(self.samples) or np.zeros((0, 2))
-        numbers = (self.dt, self.first, self.next_frame, self.next_sample, self.settled, len(self.samples))
+        numbers = (
+            self.dt,
+            self.first,
+            self.next_frame,
+            self.next_sample,
+            self.settled,
+            len(self.samples),
+            *self.largest,
+        )
         own = {"schedule.control": np.array([self.aimed, self.longest])} if self.control is not None else {}
         return {"schedule": np.array(numbers, np.float64), "schedule.samples": samples, **own}
 
@@ -272,7 +291,7 @@ class Schedule:
         """Go back to where `memory` was saved."""
         numbers = memory["schedule"].tolist()
         self.dt, self.first, self.next_frame, self.next_sample = numbers[:4]
-        self.settled = bool(numbers[4])
+        self.settled, self.largest[:] = bool(numbers[4]), numbers[6:]
         if self.control is not None:
             self.aimed, self.longest = memory["schedule.control"].tolist()
         rows = memory["schedule.samples"][: int(numbers[5])].tolist()

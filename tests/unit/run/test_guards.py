@@ -465,6 +465,24 @@ def test_chatter_is_more_than_three_in_ten_conditions(changing: int) -> None:
         guards.after_step(Step())
 
 
+@pytest.mark.parametrize("pressed", [1e3, 1e5])
+def test_chatter_of_forces_that_are_nothing_to_the_run_stops_none(pressed: float) -> None:
+    """Bodies that were pressed and came apart rattle on: a hundred-thousandth of the force is none of the answer."""
+    model = model_of()
+    guards, multipliers = Guards(model), model.state["multipliers"][0, model.contact.pairs[0].own]
+    for number in range(CHATTER - 1):
+        multipliers[:] = float(number % 2 == 0) if number else pressed
+        guards.after_step(Step())
+    fresh = Guards(model)
+    fresh.restore({name: array.copy() for name, array in guards.saved().items()})
+    multipliers[:] = 0.0
+    if pressed > 1e4:
+        fresh.after_step(Step())
+        return
+    with pytest.raises(SimulationFailure, match="5 of 5 contact conditions"):
+        fresh.after_step(Step())
+
+
 def test_a_point_that_alternates_is_no_chatter() -> None:
     """One or two conditions, of a corner, can only change all at once."""
     model = model_of()
