@@ -14,15 +14,11 @@ from contactlab.run.stopping import stop
 
 UNEXPLAINED = 0.01  # energy stored without work, over the largest that was there, was supplied or is to come
 IN_A_STEP = 1e-3  # of it, in one step of an implicit run: a longer step is cut, whose error falls with its cube
-UPHILL = (
-    0.6  # of all energy, in one load step: the trapezoidal rule is off by a half at most where forces rise steadily
-)
+UPHILL = 0.6  # of all energy, in one load step: trapezoids are off by a half at most where forces rise steadily
 GAIN = 0.1  # the same for energy that contact makes: weak conditions on coarse meshes make some per cent
 MADE = 0.01  # energy that contact has made in all, whatever damping took of it since: told
 TOO_MUCH_MADE = 0.1  # and the run is stopped
-LOST = (
-    0.05  # energy that springs and potentials took and did not give back: peaks and rebounds are off by some per cent
-)
+LOST = 0.05  # energy that springs and potentials took and did not give back: rebounds are off by some per cent
 LASTING = 100  # steps that either must last: sharp impacts borrow some energy for a few
 OVERSHOOT = 100.0  # kinetic over all energy: 1/(1 - (w dt/2)^2) at most in a mode that leapfrog follows; 99 % of 2/w
 AT_THE_END = 5.0  # times these limits: more at the end of a run stops it whether it lasted or not
