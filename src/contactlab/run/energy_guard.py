@@ -95,7 +95,8 @@ class EnergyGuard:
         if self.model.integrator.inertia or not self.model.way_followed:
             return False
         before, (stored, self.unexplained) = self.unexplained, stored_energy(self.model)
-        return self.unexplained - before > UPHILL * max(stored, energy_of_strain(self.model, ROUND))
+        spent = float(self.work[0]) + self.unexplained  # with what flow has dissipated
+        return self.unexplained - before > UPHILL * max(stored, spent, energy_of_strain(self.model, ROUND))
 
     def _measure(self) -> EnergyGain:
         found = energy_gain(self.model)
