@@ -115,19 +115,20 @@ def test_every_integrator_is_among_these() -> None:
 def test_a_load_step_that_ends_among_turned_cells_is_cut() -> None:
     """A wedge under a block: Newton's method finds a state with cells of the block turned over at their corners.
 
-    It is an equilibrium, with five hundred times the energy that the supports have supplied. The force of the slave
+    It is an equilibrium, with 250 times the energy that the supports have supplied. The force of the slave
     that does not get there is the right one; they differ as much as two mortars do. F/N is tan(beta + phi) either way.
     """
     angle, mu, width = np.radians(10.0), 0.1, 2.0
     slope = float(np.tan(angle))
+    top = width + 12.0 * slope
     blocks = {
-        "wedge": (210000.0, [[-width, 0.0], [width, 0.0], [width + 12.0 * slope, 12.0], [-width, 12.0]], [2, 14]),
+        "wedge": (210000.0, [[-width, 0.0], [width, 0.0], [top, 12.0], [-top, 12.0]], [2, 14]),
         "block": (2000.0, [[width, 0.0], [16.0, 0.0], [16.0, 8.0], [width + 8.0 * slope, 8.0]], [4, 9]),
     }
     law = {"use": "neo-hookean", "poisson": 0.3, "density": 1e-9}
     scene = Scene.from_data(
         {
-            "integrator": {"use": "newton", "steps": 6},
+            "integrator": {"use": "newton", "steps": 10},
             "materials": {name: {**law, "young": young} for name, (young, _, _) in blocks.items()},
             "bodies": {
                 name: {
@@ -147,13 +148,13 @@ def test_a_load_step_that_ends_among_turned_cells_is_cut() -> None:
             ],
             "supports": [
                 {"on": "block.right", "ux": 0.0, "uy": 0.0},
-                {"on": "wedge.top", "ux": 0.0, "uy": {"ramp": "linear", "to": -0.9}},
+                {"on": "wedge.top", "ux": 0.0, "uy": {"ramp": "linear", "to": -1.5}},
             ],
         }
     )
     dual, other = (simulate(scene.with_({"contacts.0.algorithm": use})) for use in ("mortar-dual", "mortar-p1"))
     assert dual.status == "finished", dual.reason
     force, expected = (np.abs(r.summary["reactions"]["block.right"]) for r in (dual, other))
-    assert np.allclose(force, expected, rtol=1e-3)
+    assert np.allclose(force, expected, rtol=2e-3)  # 166 N instead of 293 among turned cells
     # the flank turns by some 1e-3 as the wedge gives way, a hundredth of the block's strain of 5 %
     assert force[1] / force[0] == pytest.approx(np.tan(angle + np.arctan(mu)), rel=5e-3)
