@@ -46,3 +46,39 @@ def test_the_slip_before_a_touch_that_friction_holds_in_error_is_told_with_its_s
     assert (warning.code, warning.key) == ("friction-steps", "integrator.steps")
     # all is linear: the estimate is the error
     assert warning.value == pytest.approx((touch - 0.3) / 0.7, rel=1e-6)
+
+
+def rolled(steps: int) -> Results:
+    """A wheel, driven by its inside, that rolls by three widths of its contact and slips by a share of it (Carter)."""
+    wheel = {"use": "ring", "radii": [8.0, 10.0], "cells": [60, 3], "angles": [-112.0, -74.0]}
+    away = {"ramp": "linear", "begin": 1.0, "duration": 1.0}
+    turn = {"to": -17.3, "about": [0.0, 10.0]} | away  # 3 mm at the radius, and 0.8 % more
+    return contactlab.simulate(Scene.from_data({
+        "integrator": {"use": "newton", "steps": steps}, "record": {"frames": 20, "recorders": []},
+        "materials": {"m": {"use": "neo-hookean", "young": 1000.0, "poisson": 0.3, "density": 1e-9}},
+        "bodies": {
+            "wheel": {"element": "q1", "material": "m", "mesh": wheel, "shift": [0.0, 10.0]},
+            "rail": {
+                "element": "q1", "material": "m",
+                "mesh": {"use": "rectangle", "x": [-2.0, 5.0], "y": [-2.0, 0.0], "cells": [56, 4]},
+            },
+        },
+        "contacts": [{
+            "slave": "wheel.outer", "master": "rail.top", "algorithm": "mortar-p1",
+            "friction": {"use": "coulomb", "mu": 0.2},
+        }],
+        "supports": [
+            {"on": "rail.bottom", "ux": 0.0, "uy": 0.0},
+            {"on": "wheel.inner", "uy": {"ramp": "linear", "to": -0.04, "duration": 1.0}, "ux": {"to": 3.0} | away,
+             "turn": turn},
+        ],
+    }))  # fmt: skip
+
+
+def test_rolling_in_steps_that_exchange_much_of_the_contact_is_told() -> None:
+    """Friction of nodes that enter and stick follows from slips of the whole step: 10 % of the force and more."""
+    coarse, fine = rolled(10), rolled(80)
+    shear = [results.summary["contacts"]["contacts.0"]["resultant"][0] for results in (coarse, fine)]
+    assert abs(shear[0] / shear[1] - 1.0) > 0.1
+    told = [{warning.code for warning in results.warnings} for results in (coarse, fine)]
+    assert "friction-steps" in told[0] - told[1]

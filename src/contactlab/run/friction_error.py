@@ -8,6 +8,9 @@ yet. Nodes that slide forget it, nodes that stick keep it for good. Left out at 
 
 (F: derivative of the contact forces at fixed multipliers). One factorisation at the end of the run tells by how much
 (docs/statics.md#friction-and-the-length-of-load-steps).
+
+Of surfaces that roll, nodes enter the contact in every step and leave it again: what the end has forgotten is known by
+the share of the contact that a step exchanges.
 """
 
 from __future__ import annotations
@@ -30,20 +33,24 @@ if TYPE_CHECKING:
 HIGH = 0.05  # of the shear: what peak pressures and friction work are held to
 SMALL = 0.01  # of the normal forces: shear below it is an error of none
 SOLVED = 1e-6  # of the right-hand side
-GAP, CLOSED, SLID, HELD = range(4)
+PASSAGE = 1.0 / 15.0  # of the contact in a step: forces and friction work of rollers are off by 5 % of half of them
+ROLLED = 0.5  # of the contact: what must have been exchanged
+GAP, CLOSED, SLID, HELD, WAS, SUM, STEPS, LAST = range(8)
 
 
 class FrictionError:
     """Follows the slips that friction holds although the surfaces were apart.
 
-    numbers  (4, k) by multiplier: gap at the end of the last step [mm] (NaN: pressed, or out of reach), what the gap
-             closed by and the surfaces slid in it while open [mm], and the slip delta that friction holds in error [mm]
+    numbers  (8, k) by multiplier: gap at the end of the last step [mm] (NaN: pressed, or out of reach), what the gap
+             closed by and the surfaces slid in it while open [mm], the slip delta that friction holds in error [mm],
+             and whether it was pressed; at the first one of a pair what load steps exchanged of its contact in all,
+             in how many steps since the first exchange, and up to the last one
     """
 
     def __init__(self, model: ImplicitModel) -> None:
         assert model.contact is not None
         self.model, self.contact = model, model.contact
-        self.numbers: Floats = np.zeros((4, len(self.contact.conditions.gap)))
+        self.numbers: Floats = np.zeros((8, len(self.contact.conditions.gap)))
         self.contact.begin_step(model.position, model.state.time)
         self.contact.evaluate(model.position)
         self._take_gaps()
@@ -55,14 +62,28 @@ class FrictionError:
         closing = n[GAP] - c.gap
         still_open = c.present & ~pressed & (n[GAP] > 0.0)
         touches = pressed & (n[GAP] > 0.0) & (not jumped)
-        n[HELD, ~(pressed & (self._response().status == STICK))] = 0.0
+        sticks = pressed & (self._response().status == STICK)
+        n[HELD, ~sticks] = 0.0
         for pair in self._rubbing():
+            if not (self.model.integrator.inertia or jumped):
+                self._exchange(pair.own, pressed[pair.own], bool(sticks[pair.own].any()))
             own = np.arange(pair.own.start, pair.own.stop)
             self._hold(own[touches[own]], own[(still_open & (closing > 0.0))[own]], closing)
         still_open &= not jumped
         n[CLOSED] = np.where(still_open, closing, 0.0)
         n[SLID] = np.where(still_open, c.slip, 0.0)
+        n[WAS] = pressed
         self._take_gaps()
+
+    def _exchange(self, own: slice, pressed: Flags, sticks: bool) -> None:
+        """Count what entered the contact of a pair and left it in the same step."""
+        numbers, was = self.numbers[:, own], self.numbers[WAS, own] > 0.0
+        exchanged = min(np.count_nonzero(pressed & ~was), np.count_nonzero(was & ~pressed))
+        if sticks and (exchanged or numbers[STEPS, 0]):
+            numbers[STEPS, 0] += 1.0
+            if exchanged:
+                numbers[SUM, 0] += exchanged / np.count_nonzero(pressed)
+                numbers[LAST, 0] = numbers[STEPS, 0]
 
     def _hold(self, touched: Ints, beside: Ints, closing: Floats) -> None:
         """Slips before the touch: as the nearest node did that is `beside` and open, or each in the step before."""
@@ -90,6 +111,7 @@ class FrictionError:
 
     def warnings(self, key: str, now: float) -> Iterator[RunWarning]:
         """Warn of pairs whose shear is off; `key` of the scene says how many steps there are, or how long, `now`."""
+        yield from self._rolling(key, now)
         if not self.numbers[HELD].any():
             return
         change, force = self._change(), self.contact.conditions.force
@@ -97,13 +119,25 @@ class FrictionError:
             normal, shear = (float(np.linalg.norm(row)) for row in force[:, pair.own])
             share = float(np.linalg.norm(change[pair.own])) / max(shear, SMALL * normal, 1e-300)
             if share > HIGH:
-                times = share / HIGH
-                better = f"{now / times:.2g} or less" if key == "time.step" else f"{_more(now * times)} or more"
+                better = _better(key, now, share / HIGH)
                 yield RunWarning(
                     "friction-steps", share, HIGH, key,
                     f"{pair.name}: surfaces closed within load steps, and what they slid before they touched is held "
                     f"by friction as if they had touched from the start of the step on: the shear is off by about "
                     f"{share:.1%} (limit {HIGH:.0%}); write {key} = {better}",
+                )  # fmt: skip
+
+    def _rolling(self, key: str, now: float) -> Iterator[RunWarning]:
+        for pair in self._rubbing():
+            total, _, steps = self.numbers[SUM : LAST + 1, pair.own.start]
+            if total > ROLLED and total / steps > PASSAGE:
+                share = float(total / steps)
+                yield RunWarning(
+                    "friction-steps", share, PASSAGE, key,
+                    f"{pair.name}: surfaces roll on each other, and a step exchanges {share:.0%} of the contact (limit "
+                    f"{PASSAGE:.0%}): nodes that enter it count slips of the whole step, and forces along the surface "
+                    f"and the work of friction are off by some per cent or more; write {key} = "
+                    f"{_better(key, now, share / PASSAGE)}",
                 )  # fmt: skip
 
     def _change(self) -> Floats:
@@ -144,6 +178,11 @@ class FrictionError:
         if np.linalg.norm(equations @ solved - right) <= SOLVED * np.linalg.norm(right):
             found[pressed] = solved[-len(pressed) :]
         return found
+
+
+def _better(key: str, now: float, times: float) -> str:
+    """Steps so many times as short, in words."""
+    return f"{now / times:.2g} or less" if key == "time.step" else f"{_more(now * times)} or more"
 
 
 def _more(steps: float) -> int:
