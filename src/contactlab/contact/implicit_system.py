@@ -109,10 +109,8 @@ class ImplicitContactSystem:
             self.store.memory.begin_step(time, time - self.state.time)
         self._release(time)
         if self.store is not None and self.store.follows_steps:
-            self.time[0] = self.state.time
-            self.evaluate(position)
+            self._evaluate_start(time)
             self.store.start[:] = np.where(self.conditions.present, self.conditions.gap, np.inf)
-            self.time[0] = time
         middle = position
         if self.consistent:
             middle = position + 0.5 * (time - self.state.time) * self.state["velocity"]
@@ -128,11 +126,15 @@ class ImplicitContactSystem:
             return
         for coupling, freedom in self._couplings():
             coupling.untie(freedom)
+        self._evaluate_start(time)
+        for coupling, freedom in self._couplings():
+            coupling.hold(self._freed(coupling, freedom))
+
+    def _evaluate_start(self, time: float) -> None:
+        """Fill `conditions` where and when a step starts that ends at `time` [s]."""
         self.time[0] = self.state.time
         self.evaluate(self.start)
         self.time[0] = time
-        for coupling, freedom in self._couplings():
-            coupling.hold(self._freed(coupling, freedom))
 
     def _couplings(self) -> Iterator[tuple[Coupling, Floats]]:
         """Those of the pairs that have one, and how free their multipliers were in the last accepted step."""

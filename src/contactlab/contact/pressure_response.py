@@ -160,12 +160,15 @@ class MeanPressureResponse(PressureResponse):
         """Fill `out` (2, k) with the share of the mean and the rest of the end, and their derivatives by `gap` (k,)."""
         last = np.zeros_like(out)
         super().answer(gap, size, last)
-        self._mean(gap, size, out)
+        self._mean(gap, size, last, out)
         out *= self.share
         out += (1.0 - self.share) * last
 
-    def _mean(self, gap: Floats, size: Floats, out: Floats) -> None:
-        """Fill `out` (2, k) with means over gaps from the start to `gap` (k,) [mm], and their derivatives by that."""
+    def _mean(self, gap: Floats, size: Floats, last: Floats, out: Floats) -> None:
+        """Fill `out` (2, k) with means over gaps from the start to `gap` (k,) [mm], and their derivatives by that.
+
+        last  (2, k) pressures at `gap` and their derivatives
+        """
         beside, first = named(self.memory, slice(None)), self.first
         begin, end = np.minimum(self.start, first), np.minimum(gap, first)
         pressure, slope = np.zeros_like(gap), np.zeros_like(gap)
@@ -176,10 +179,9 @@ class MeanPressureResponse(PressureResponse):
         # one part of the way is beyond the gap at which the law begins
         crosses = (gap >= first) != (self.start >= first)
         if crosses.any():
-            self.law.pressure(end, self.stiffness, size, pressure, slope, **beside)
             way = np.where(crosses, gap - self.start, 1.0)
             out[0] = np.where(crosses, (end - begin) / way * out[0], out[0])
-            out[1] = np.where(crosses, (np.where(gap < first, pressure, 0.0) - out[0]) / way, out[1])
+            out[1] = np.where(crosses, (np.where(gap < first, last[0], 0.0) - out[0]) / way, out[1])
 
 
 def rub(c: Conditions, out: Response) -> None:

@@ -10,13 +10,13 @@ from contactlab.api import WORK, RunWarning, Step
 from contactlab.kernels.contact.factored_rows import FAR
 from contactlab.missing_effects.missing_effect import Detectors, needed, per_cent
 from contactlab.model.model import Model
+from contactlab.results.invariants import NO_STRAIN
 from contactlab.results.strain_scale import energy_of_strain
 
 if TYPE_CHECKING:
     from contactlab.scene.scene import Scene
 
 EARLY = 0.02  # of the largest energy: what drives or yields under a load is off by half of that
-NOTHING = 1e-7  # strain whose energy counts as none
 INTERNAL = WORK.index("internal")
 
 
@@ -57,7 +57,7 @@ class EarlyContact:
     def warning(self) -> RunWarning | None:
         """Advise a smaller distance; None where it takes little energy."""
         work, number, energy = (float(value) for value in self.worst)
-        share = work / max(energy, energy_of_strain(self.model, NOTHING))
+        share = work / max(energy, energy_of_strain(self.model, NO_STRAIN))
         if share <= EARLY:
             return None
         pair = self.pairs[int(number)]

@@ -74,7 +74,10 @@ def _built(scene: Scene, registry: Registry) -> Model:
     forces = _bind_all(scene.threads, bodies, reference, position, increment, state, model_class.explicit)
     _initial_velocity(scene, bodies, reference, mass, state, told)
     driven = any(supports.moving) or bool(scene.loads or scene.effects)
-    contact = _contact(plans, bodies, forces, reference, position, state, mass, prescribed.dof, timing.ramp, driven)
+    contact = _contact(
+        plans, bodies=bodies, forces=forces, reference=reference, position=position, state=state, mass=mass,
+        held=prescribed.dof, ramp=timing.ramp, driven=driven,
+    )  # fmt: skip
     _split_work(scene, integrator, contact, state, reference)
     effects = _effects(made, scene, registry, bodies, rigid, reference, state, told)
     loads = _loads(scene, bodies, reference, position, timing.ramps, told)
@@ -166,12 +169,12 @@ def _refuse_impossible(scene: Scene, *arguments: Any) -> None:
         check_approach(scene, *arguments)
 
 
-def _contact(plans: tuple[Any, ...], *arguments: Any) -> Any:
+def _contact(plans: tuple[Any, ...], **around: Any) -> Any:
     if not plans:
         return None
     from contactlab.model.contact.systems import Around, build_contact
 
-    return build_contact(plans, Around(*arguments))
+    return build_contact(plans, Around(**around))
 
 
 def _split_work(scene: Scene, integrator: Integrator, contact: Any, state: State, reference: Floats) -> None:

@@ -134,6 +134,7 @@ def curve_of(model: Model) -> str:
 
 
 def _contact(report: ContactReport) -> dict[str, Any]:
+    memory = report.curve.memory
     return {
         "resultant": list(report.resultant),
         "pressure_integral": list(report.pressure_integral),
@@ -147,12 +148,7 @@ def _contact(report: ContactReport) -> dict[str, Any]:
         "most_negative": report.most_negative,
         "active": report.active,
         "sticking": report.sticking,
-        **(
-            {"memory": {name: _ends(values) for name, values in memory.items()}}
-            if (memory := report.curve.memory)
-            else {}
-        ),
-    }
+    } | ({"memory": {name: _ends(values) for name, values in memory.items()}} if memory else {})
 
 
 def _ends(values: Floats) -> dict[str, float]:

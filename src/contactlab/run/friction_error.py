@@ -27,7 +27,6 @@ from contactlab.api.arrays import Flags
 from contactlab.api.frame import STICK
 
 if TYPE_CHECKING:
-    from contactlab.contact.pair import ContactPair
     from contactlab.model.implicit_model import ImplicitModel
 
 HIGH = 0.05  # of the shear: what peak pressures and friction work are held to
@@ -35,22 +34,27 @@ SMALL = 0.01  # of the normal forces: shear below it is an error of none
 SOLVED = 1e-6  # of the right-hand side
 PASSAGE = 1.0 / 15.0  # of the contact in a step: forces and friction work of rollers are off by 5 % of half of them
 ROLLED = 0.5  # of the contact: what must have been exchanged
-GAP, CLOSED, SLID, HELD, WAS, SUM, STEPS, LAST = range(8)
+GAP, CLOSED, SLID, HELD, WAS = range(5)
+SUM, STEPS, LAST = range(3)
 
 
 class FrictionError:
     """Follows the slips that friction holds although the surfaces were apart.
 
-    numbers  (8, k) by multiplier: gap at the end of the last step [mm] (NaN: pressed, or out of reach), what the gap
+    pairs    those with friction
+    numbers  (5, k) by multiplier: gap at the end of the last step [mm] (NaN: pressed, or out of reach), what the gap
              closed by and the surfaces slid in it while open [mm], the slip delta that friction holds in error [mm],
-             and whether it was pressed; at the first one of a pair what load steps exchanged of its contact in all,
-             in how many steps since the first exchange, and up to the last one
+             and whether it was pressed
+    rolled   (3, pairs) what load steps exchanged of each contact in all, and in how many of them since they began to,
+             so far and up to the last exchange
     """
 
     def __init__(self, model: ImplicitModel) -> None:
         assert model.contact is not None
         self.model, self.contact = model, model.contact
-        self.numbers: Floats = np.zeros((8, len(self.contact.conditions.gap)))
+        self.numbers: Floats = np.zeros((5, len(self.contact.conditions.gap)))
+        self.pairs = [linear.pair for linear in self.contact.linear if linear.pair.friction is not None]
+        self.rolled: Floats = np.zeros((3, len(self.pairs)))
         self.contact.begin_step(model.position, model.state.time)
         self.contact.evaluate(model.position)
         self._take_gaps()
@@ -64,28 +68,28 @@ class FrictionError:
         touches = pressed & (n[GAP] > 0.0) & (not jumped)
         sticks = pressed & (self._response().status == STICK)
         n[HELD, ~sticks] = 0.0
-        for pair in self._rubbing():
+        for number, pair in enumerate(self.pairs):
             if not (self.model.integrator.inertia or jumped):
-                self._exchange(pair.own, pressed[pair.own], bool(sticks[pair.own].any()))
+                self._exchange(number, pressed[pair.own], bool(sticks[pair.own].any()))
             own = np.arange(pair.own.start, pair.own.stop)
-            self._hold(own[touches[own]], own[(still_open & (closing > 0.0))[own]], closing)
+            self._hold(own[touches[own]], own[(still_open & (closing > 0.0))[own]], closing, sticks)
         still_open &= not jumped
         n[CLOSED] = np.where(still_open, closing, 0.0)
         n[SLID] = np.where(still_open, c.slip, 0.0)
         n[WAS] = pressed
         self._take_gaps()
 
-    def _exchange(self, own: slice, pressed: Flags, sticks: bool) -> None:
+    def _exchange(self, number: int, pressed: Flags, sticks: bool) -> None:
         """Count what entered the contact of a pair and left it in the same step."""
-        numbers, was = self.numbers[:, own], self.numbers[WAS, own] > 0.0
+        rolled, was = self.rolled[:, number], self.numbers[WAS, self.pairs[number].own] > 0.0
         exchanged = min(np.count_nonzero(pressed & ~was), np.count_nonzero(was & ~pressed))
-        if sticks and (exchanged or numbers[STEPS, 0]):
-            numbers[STEPS, 0] += 1.0
+        if sticks and (exchanged or rolled[STEPS]):
+            rolled[STEPS] += 1.0
             if exchanged:
-                numbers[SUM, 0] += exchanged / np.count_nonzero(pressed)
-                numbers[LAST, 0] = numbers[STEPS, 0]
+                rolled[SUM] += exchanged / np.count_nonzero(pressed)
+                rolled[LAST] = rolled[STEPS]
 
-    def _hold(self, touched: Ints, beside: Ints, closing: Floats) -> None:
+    def _hold(self, touched: Ints, beside: Ints, closing: Floats, sticks: Flags) -> None:
         """Slips before the touch: as the nearest node did that is `beside` and open, or each in the step before."""
         c, n = self.contact.conditions, self.numbers
         if len(beside):
@@ -94,15 +98,11 @@ class FrictionError:
         else:
             closed, slid = n[CLOSED, touched], n[SLID, touched]
         share = np.divide(n[GAP, touched], closed, out=np.zeros(len(touched)), where=closed > 0.0)
-        sticks = self._response().status[touched] == STICK
-        n[HELD, touched] = np.where(sticks, np.minimum(share, 1.0) * slid, 0.0)
+        n[HELD, touched] = np.where(sticks[touched], np.minimum(share, 1.0) * slid, 0.0)
 
     def _take_gaps(self) -> None:
         c = self.contact.conditions
         self.numbers[GAP] = np.where(c.present & (c.force[0] <= 0.0), c.gap, np.nan)
-
-    def _rubbing(self) -> Iterator[ContactPair]:
-        yield from (linear.pair for linear in self.contact.linear if linear.pair.friction is not None)
 
     def _response(self) -> Response:
         out = Response.allocate(*self.contact.conditions.force.shape)
@@ -115,7 +115,7 @@ class FrictionError:
         if not self.numbers[HELD].any():
             return
         change, force = self._change(), self.contact.conditions.force
-        for pair in self._rubbing():
+        for pair in self.pairs:
             normal, shear = (float(np.linalg.norm(row)) for row in force[:, pair.own])
             share = float(np.linalg.norm(change[pair.own])) / max(shear, SMALL * normal, 1e-300)
             if share > HIGH:
@@ -128,8 +128,7 @@ class FrictionError:
                 )  # fmt: skip
 
     def _rolling(self, key: str, now: float) -> Iterator[RunWarning]:
-        for pair in self._rubbing():
-            total, _, steps = self.numbers[SUM : LAST + 1, pair.own.start]
+        for pair, (total, _, steps) in zip(self.pairs, self.rolled.T, strict=True):
             if total > ROLLED and total / steps > PASSAGE:
                 share = float(total / steps)
                 yield RunWarning(

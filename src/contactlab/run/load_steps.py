@@ -370,6 +370,7 @@ class LoadSchedule(Schedule):
             own["schedule.freedom"] = np.append(contact.freedom, contact.pace)
         if self.friction_error is not None:
             own["schedule.friction_error"] = self.friction_error.numbers.copy()
+            own["schedule.rolled"] = self.friction_error.rolled.copy()
         if self.contact_times is not None:
             own["schedule.contact_times"] = self.contact_times.numbers.copy()
         return super().saved() | own
@@ -383,6 +384,7 @@ class LoadSchedule(Schedule):
             contact.freedom[:], contact.pace = memory["schedule.freedom"][:-1], float(memory["schedule.freedom"][-1])
         if self.friction_error is not None:
             self.friction_error.numbers[:] = memory["schedule.friction_error"]
+            self.friction_error.rolled[:] = memory["schedule.rolled"]
         if self.contact_times is not None:
             self.contact_times.numbers[:] = memory["schedule.contact_times"]
 

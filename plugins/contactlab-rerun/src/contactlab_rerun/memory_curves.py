@@ -1,4 +1,4 @@
-"""What laws of a contact remember, over the arc length of its slave surface at every frame."""
+"""Plots of the memory of contact laws along the slave surface, with a curve for every frame."""
 
 from __future__ import annotations
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple, cast
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -25,7 +27,8 @@ if TYPE_CHECKING:
     from contactlab.contact.implicit_system import ImplicitContactSystem
 
 
-class Around(NamedTuple):
+@dataclass(frozen=True)
+class Around:
     """The bodies that contacts join: their work, and positions (N, 2) [mm] at the start and as they are in the run.
 
     mass    (N,) of the nodes
@@ -44,7 +47,7 @@ class Around(NamedTuple):
     ramp: float
     driven: bool
 
-    @property
+    @cached_property
     def immobile(self) -> Flags:
         """Which nodes (N,) cannot move at all."""
         held = np.zeros(2 * len(self.reference), np.bool_)
