@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -95,7 +95,13 @@ class Judge:
 
     def apart(self, found: Pressures, other: Pressures) -> float:
         """Distance in L2 over the norm of the other, the largest of all contacts."""
-        return max(distance(found[n], p, self.window) / norm(p, self.window) for n, p in other.items())
+        return max(self._apart(found[number], profile) for number, profile in other.items())
+
+    def _apart(self, found: Profile, other: Profile) -> float:
+        low, high = common_window([found, other])
+        if self.window is not None:
+            low, high = max(low, self.window[0]), min(high, self.window[1])
+        return distance(found, other, (low, high)) / norm(other, (low, high))
 
 
 def forces_of(record: Record, exchanged: Collection[int] = ()) -> Floats:
@@ -178,19 +184,29 @@ NEAR = 1e-5
 """Distance of nodes, over the span of a curve, at which they are one."""
 
 
-def mean_profile(profiles: Sequence[Profile]) -> Profile:
-    """The mean of piecewise linear functions, on their nodes: of those nearer than NEAR of the span the first.
+def common_window(profiles: Sequence[Profile]) -> Window:
+    """Where piecewise linear functions are compared: all of them, but for what is between jumps at their ends.
 
-    Where contact reaches the end of a body the pressure jumps to zero there, at positions that differ from run to run
-    by less than that: each of them counts as pressed to the end that is kept.
+    Where contact reaches the end of a body pressure jumps to zero, at the last node of the slave, whichever side that
+    is. The ends of two bodies move apart: by d, far less than a segment, and the jump would make an error of the order
+    of d^(1/2) that no mesh takes away. Ends within half a segment of each other count as the same place.
     """
-    x = np.unique(np.concatenate([profile.x for profile in profiles]))
-    near = NEAR * (x[-1] - x[0])
+    low = _end([(p.x[0], p.value[0], p.spacing_at(p.x[0])) for p in profiles], max, min)
+    high = _end([(p.x[-1], p.value[-1], p.spacing_at(p.x[-1])) for p in profiles], min, max)
+    return low, high
+
+
+def _end(ends: Sequence[tuple[float, float, float]], inner: Callable[..., float], outer: Callable[..., float]) -> float:
+    """The innermost of positions if values jump at all of them, within half a segment; else the outermost."""
+    places, values, segments = zip(*ends, strict=True)
+    same = all(values) and max(places) - min(places) <= 0.5 * min(segments)
+    return float(inner(places) if same else outer(places))
+
+
+def mean_profile(profiles: Sequence[Profile]) -> Profile:
+    """The mean of piecewise linear functions in their common window, on their nodes: of near ones the first."""
+    low, high = common_window(profiles)
+    x = np.unique(np.clip(np.concatenate([profile.x for profile in profiles]), low, high))
+    near = NEAR * (high - low)
     x = x[np.r_[True, np.diff(x) > near]]
-    return Profile(x, np.asarray(np.mean([_up_to_end(profile, x, near) for profile in profiles], axis=0)))
-
-
-def _up_to_end(profile: Profile, x: Floats, near: float) -> Floats:
-    """Values at x; those at its ends up to `near` beyond them."""
-    inside = np.clip(x, profile.x[0], profile.x[-1])
-    return np.asarray(np.where(np.abs(x - inside) <= near, profile(inside), 0.0))
+    return Profile(x, np.asarray(np.mean([profile(x) for profile in profiles], axis=0)))

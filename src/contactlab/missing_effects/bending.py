@@ -18,7 +18,7 @@ energy of what stresses jump between cells is taken from a positive B - V: in be
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -32,6 +32,7 @@ from contactlab.model.model import Model
 
 WRONG = 0.05  # of displacements
 SMALL = 0.25  # of the kinetic energy
+LITTLE = 0.1  # of the energy of all such bodies: what one with less of it lacks is measured against so much
 UNSEEN = 4.0  # times the energy of jumps: averages at nodes do not see what all cells there lack
 NO_STRAIN = 1e-7  # energies of smaller strains are round-off
 MODE = np.array([1.0, -1.0, 1.0, -1.0]) / 4.0  # of xi eta, over the corners of a cell
@@ -40,20 +41,23 @@ MODE = np.array([1.0, -1.0, 1.0, -1.0]) / 4.0  # of xi eta, over the corners of 
 def bending_detectors(scene: object, model: Model) -> Detectors:
     """Detectors for bodies of four-node cells whose law is elastic, or says where it yields."""
     del scene
+    found: list[Bending] = []
     for forces in model.forces:
         law = forces.body.material
         if len(forces.body.element.nodes) == len(MODE) and (not law.history_size or PLASTIC in law.history_names):
-            yield Bending(forces, model)
+            found.append(Bending(forces, model, found))
+    yield from found
 
 
 class Bending:
     """`worst`: largest and smallest B - V, largest W and hourglass energy, and largest kinetic energy of the run [mJ].
 
     Bodies that fly or rock hold little energy in their strains: how large an error these have decides little there.
+    The same is true of a stiff body beside a soft one. `every` holds this detector and those of the other bodies.
     """
 
-    def __init__(self, forces: BodyForces, model: Model) -> None:
-        self.forces, self.model, self.worst = forces, model, np.zeros(5)
+    def __init__(self, forces: BodyForces, model: Model, every: Sequence[Bending]) -> None:
+        self.forces, self.model, self.every, self.worst = forces, model, every, np.zeros(5)
         body = forces.body
         area = float(sum(forces.determinants(block, np.zeros((1, 2))).sum() for block in forces.blocks)) * 4.0
         self.nothing = 0.5 * NO_STRAIN**2 * body.dilatational_modulus * area
@@ -76,6 +80,7 @@ class Bending:
         soft, stiff, total, hourglass, kinetic = (float(value) for value in self.worst)
         if total <= max(self.nothing, SMALL * kinetic):
             return None
+        total = max(total, LITTLE * sum(float(body.worst[2]) for body in self.every))
         soft, stiff, hourglass = soft / total, stiff / total, hourglass / total
         error = stiff if -stiff > soft else soft
         if hourglass > WRONG:

@@ -26,7 +26,7 @@ from contactlab.cli import main
 from contactlab.jobs.run import Run, here
 from contactlab.parts.registry import default_registry
 from contactlab.scene.scene import Scene, load_scene
-from contactlab.studies.profile import Profile, distance, norm
+from contactlab.studies.profile import Profile, norm
 
 ANGLES = np.linspace(-np.pi / 2, np.pi / 2, 4001)
 EXACT = Profile(np.sin(ANGLES), np.cos(ANGLES) ** 3)
@@ -303,12 +303,14 @@ def test_a_cheap_coarse_run_is_no_reference() -> None:
 
 
 def test_a_pressure_up_to_the_end_of_a_body_is_not_halved_there() -> None:
-    # two runs whose last nodes lie 1e-7 apart, and their mirror images: the mean is as high at the ends as each of them
+    # two runs whose last nodes lie apart, and their mirror images: the mean is as high at the ends as each of them
     x = np.linspace(-1.0, 1.0, 9)
-    runs = [Profile(x * (1.0 + off), np.full(9, 2.0)) for off in (0.0, 1e-7)]
-    mean = mean_profile([*runs, *(run.mirrored() for run in runs)])
-    np.testing.assert_array_equal(mean.value, 2.0)
-    assert distance(mean, runs[0]) < 1e-3 * norm(runs[0])  # a jump over 1e-7: (1e-7)^(1/2)
+    for apart in (1e-7, 1e-2):
+        runs = [Profile(x * (1.0 + off), np.full(9, 2.0)) for off in (0.0, apart)]
+        mean = mean_profile([*runs, *(run.mirrored() for run in runs)])
+        np.testing.assert_array_equal(mean.value, 2.0)
+        for one, other in ((mean, runs[0]), (mean, runs[1]), runs, runs[::-1]):
+            assert Judge().apart({0: one}, {0: other}) < 1e-12  # distance() alone: apart^(1/2)
     # one that ends a segment earlier does not press beyond
     short = mean_profile([runs[0], Profile(x[:-1], np.full(8, 2.0))])
     assert short(np.array([1.0]))[0] == 1.0
