@@ -22,6 +22,7 @@ MORE = 4  # times the wished iterations, at most
 TOUCHING = 1e-9  # segment lengths
 SOFT = 1e-10  # of the stiffest node: springs in place of what holds a body, while none does
 NEAR, FARTHEST = 0.01, 2.0  # segments deep that a body meets what is to hold it; sizes of the model to look for it
+LEAP, SMALL = 30.0, 0.01  # times the motion of the step so far, and sizes of the model, that what slides may move at once
 
 
 @dataclass
@@ -57,6 +58,7 @@ class NewtonIteration:
         self.search = LineSearch(self.trial, self.scales)
         self.system = SaddleSystem(equations.reference, self.trial.held)
         self.takeovers = 0  # times that friction took newer normal forces or slips in this step
+        self.start: Floats = self.trial.u.copy()  # displacements at the start of the step
         self.soft = False  # whether the last correction needed soft springs
 
     def run(self, dt: float, target: Floats, limited: int | None = None) -> Outcome:
@@ -68,7 +70,7 @@ class NewtonIteration:
         self.system.solver.forget()
         self.takeovers = 0
         self.search.forget()
-        self.scales.floor = 0.0
+        self.scales.floor, self.start = 0.0, trial.u.copy()
         trial.balance.update_stresses(dt)
         given = np.zeros(trial.u.size)
         began, softly = 0, 0  # iterations when forces were taken over; times that only soft springs kept balance
@@ -161,23 +163,41 @@ class NewtonIteration:
 
     def _correction(self, given: Floats, left: float) -> tuple[Floats, Floats]:
         """Of displacements and multipliers; what is held by nothing but friction is held from its first touch on."""
-        contact, self.soft = self.trial.contact, False
+        contact, self.soft, found, away = self.trial.contact, False, None, self._away()
         try:
             du, dy = self._solved(given, left)
         except SingularSystem as singular:
             problem = str(singular)
         else:
             farthest = float(np.abs(du).max())
-            if farthest <= AWAY * self.scales.size or self.scales.size == 0.0:
+            if farthest <= away or self.scales.size == 0.0:
                 return du, dy
             problem = f"it moves nodes by {farthest / self.scales.size:.0e} times the size of the model"
+            if farthest <= AWAY * self.scales.size:
+                found = du, dy
         if self._hold():
             return self._solved(given, left)
         if contact is None:
             raise SingularSystem(problem)
-        return self._softly(given, problem)
+        try:
+            return self._softly(given, problem, away)
+        except SingularSystem:
+            if found is None:
+                raise
+            self.soft = False
+            return found
 
-    def _softly(self, given: Floats, problem: str) -> tuple[Floats, Floats]:
+    def _away(self) -> float:
+        """Largest motion [mm] of a correction with which a body counts as held.
+
+        Where all of its friction slides, next to nothing holds it from rolling: the correction would spin it.
+        """
+        contact = self.trial.contact
+        slides = contact is not None and len(contact.conditions.slip) and np.any(self.trial.response.status == SLIP)
+        moved = float(np.abs(self.trial.u - self.start).max())
+        return max(LEAP * moved, SMALL * self.scales.size) if slides and moved else AWAY * self.scales.size
+
+    def _softly(self, given: Floats, problem: str, away: float) -> tuple[Floats, Floats]:
         """Correct with soft springs in place of what does not hold a body yet; raises SingularSystem if nothing will.
 
         A body that its load drives is moved by it until surfaces meet, or the first condition that slides is back where
@@ -189,7 +209,7 @@ class NewtonIteration:
         shifted = with_diagonal(self.stiffness, 1.0, np.full(force.size, spring))
         du, dy = self.system.step(shifted, force, np.zeros_like(given), trial.contact, trial.response, np.inf)
         drives = spring * float(du @ du) > 0.5 * float(force @ du) > 0.0
-        if drives or np.abs(du).max() > AWAY * self.scales.size:
+        if drives or np.abs(du).max() > away:
             du *= FARTHEST * self.scales.size / np.abs(du).max()
             assert trial.contact is not None
             place = trial.equations.reference + trial.u
