@@ -22,7 +22,8 @@ MORE = 4  # times the wished iterations, at most
 TOUCHING = 1e-9  # segment lengths
 SOFT = 1e-10  # of the stiffest node: springs in place of what holds a body, while none does
 NEAR, FARTHEST = 0.01, 2.0  # segments deep that a body meets what is to hold it; sizes of the model to look for it
-LEAP, SMALL = 30.0, 0.01  # times the motion of the step so far, and sizes of the model, that what slides may move at once
+LEAP, SMALL = 30.0, 0.01  # times the step's motion so far, and sizes of the model, that what slides may move at once
+STICKS, RELEASED = 3, 1e-3  # times in a step that all surfaces stick for a while; residual that ends it
 
 
 @dataclass
@@ -57,6 +58,7 @@ class NewtonIteration:
         self.scales = Scales(equations.reference, self.trial.held)
         self.search = LineSearch(self.trial, self.scales)
         self.system = SaddleSystem(equations.reference, self.trial.held)
+        self.stuck = 0  # times that all surfaces were made to stick in this step
         self.takeovers = 0  # times that friction took newer normal forces or slips in this step
         self.start: Floats = self.trial.u.copy()  # displacements at the start of the step
         self.soft = False  # whether the last correction needed soft springs
@@ -68,7 +70,8 @@ class NewtonIteration:
         """
         outcome, trial = Outcome(), self.trial
         self.system.solver.forget()
-        self.takeovers = 0
+        self.takeovers = self.stuck = 0
+        trial.sticks = False
         self.search.forget()
         self.scales.floor, self.start = 0.0, trial.u.copy()
         trial.balance.update_stresses(dt)
@@ -93,6 +96,11 @@ class NewtonIteration:
             rest = float(np.abs(trial.still_to_move(target)).max(initial=0.0))
             outcome.trace.append(self._record(residual, changed, length, note))
             trial.equations.iterated()
+            if trial.sticks and residual.largest <= RELEASED:
+                trial.sticks = False
+                trial.update_forces()
+                self.search.forget()
+                continue
             if residual.largest <= self.tolerance and rest == 0.0:
                 if softly := softly + 1 if self.soft else 0:
                     if softly > 1:
@@ -163,7 +171,7 @@ class NewtonIteration:
 
     def _correction(self, given: Floats, left: float) -> tuple[Floats, Floats]:
         """Of displacements and multipliers; what is held by nothing but friction is held from its first touch on."""
-        contact, self.soft, found, away = self.trial.contact, False, None, self._away()
+        contact, self.soft, away = self.trial.contact, False, self._away(given)
         try:
             du, dy = self._solved(given, left)
         except SingularSystem as singular:
@@ -173,48 +181,52 @@ class NewtonIteration:
             if farthest <= away or self.scales.size == 0.0:
                 return du, dy
             problem = f"it moves nodes by {farthest / self.scales.size:.0e} times the size of the model"
-            if farthest <= AWAY * self.scales.size:
-                found = du, dy
+        if self._stick():
+            return self._correction(given, left)
         if self._hold():
             return self._solved(given, left)
         if contact is None:
             raise SingularSystem(problem)
-        try:
-            return self._softly(given, problem, away)
-        except SingularSystem:
-            if found is None:
-                raise
-            self.soft = False
-            return found
+        return self._softly(given, problem)
 
-    def _away(self) -> float:
-        """Largest motion [mm] of a correction with which a body counts as held.
+    def _stick(self) -> bool:
+        """Let all surfaces with friction stick until the iteration is near balance; whether any slid before.
 
-        Where all of its friction slides, next to nothing holds it from rolling: the correction would spin it.
+        While all of a body's surfaces slide, next to nothing holds it from rolling.
         """
-        contact = self.trial.contact
-        slides = contact is not None and len(contact.conditions.slip) and np.any(self.trial.response.status == SLIP)
-        moved = float(np.abs(self.trial.u - self.start).max())
-        return max(LEAP * moved, SMALL * self.scales.size) if slides and moved else AWAY * self.scales.size
+        if self.trial.sticks or self.stuck == STICKS or not self._slides():
+            return False
+        self.trial.sticks, self.stuck = True, self.stuck + 1
+        self.trial.update_forces()
+        return True
 
-    def _softly(self, given: Floats, problem: str, away: float) -> tuple[Floats, Floats]:
+    def _slides(self) -> bool:
+        contact = self.trial.contact
+        return contact is not None and bool(len(contact.conditions.slip) and np.any(self.trial.response.status == SLIP))
+
+    def _away(self, given: Floats) -> float:
+        """Largest motion [mm] of a correction with which bodies count as held."""
+        moved = max(float(np.abs(self.trial.u - self.start).max()), float(np.abs(given).max()))
+        if not self.trial.sticks and self.stuck < STICKS and self._slides():
+            return max(LEAP * moved, SMALL * self.scales.size)
+        return AWAY * self.scales.size
+
+    def _softly(self, given: Floats, problem: str) -> tuple[Floats, Floats]:
         """Correct with soft springs in place of what does not hold a body yet; raises SingularSystem if nothing will.
 
-        A body that its load drives is moved by it until surfaces meet, or the first condition that slides is back where
-        it sticks, and nothing else is in this iteration; motions that nothing drives need no more than the springs
-        until others hold them.
+        A body that its load drives is moved by it until surfaces meet, and nothing else is in this iteration; motions
+        that nothing drives need no more than the springs until others hold them.
         """
         trial, self.soft = self.trial, True
         force, spring = trial.force.reshape(-1), SOFT * float(self.stiffness.diagonal().max())
         shifted = with_diagonal(self.stiffness, 1.0, np.full(force.size, spring))
         du, dy = self.system.step(shifted, force, np.zeros_like(given), trial.contact, trial.response, np.inf)
         drives = spring * float(du @ du) > 0.5 * float(force @ du) > 0.0
-        if drives or np.abs(du).max() > away:
+        if drives or np.abs(du).max() > AWAY * self.scales.size:
             du *= FARTHEST * self.scales.size / np.abs(du).max()
             assert trial.contact is not None
             place = trial.equations.reference + trial.u
             share = trial.contact.free_share(place, du.reshape(place.shape), NEAR)
-            share = min(share, self._share_to_stick(du))
             if share == 1.0:
                 raise SingularSystem(problem)
             given[:] = 0.0
@@ -224,15 +236,6 @@ class NewtonIteration:
         if not np.abs(du).max() <= AWAY * self.scales.size:
             raise SingularSystem(problem)
         return du, dy
-
-    def _share_to_stick(self, du: Floats) -> float:
-        """Share of a motion that takes back the slip of the first condition that slips: all did, and none held."""
-        contact, slips = self.trial.contact, np.flatnonzero(self.trial.response.status == SLIP).astype(np.int32)
-        if contact is None or not len(slips) or not len(contact.conditions.slip):  # no conditions, or no friction
-            return 1.0
-        slip, change = contact.conditions.slip[slips], contact.linearise(slips).slip @ du
-        back = slip * change < 0.0
-        return min(1.0, float((-slip[back] / change[back]).min(initial=1.0)))
 
     def _solved(self, given: Floats, left: float) -> tuple[Floats, Floats]:
         t = self.trial

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, Protocol
 
 import numpy as np
 
-from contactlab.api import Floats, ImplicitEquations, Response, State
+from contactlab.api import Floats, ImplicitContact, ImplicitEquations, Response, State
 
 
 class Balance(Protocol):
@@ -25,6 +26,9 @@ class Balance(Protocol):
         """The part of the `diagonal` (N, 2) [N/mm] of `stiffness` that stresses give."""
 
 
+STUCK = 1e6  # coefficient of friction of surfaces that are to stick
+
+
 class Trial:
     """Displacements `u` and multipliers of the state, changed in place, and what follows from them.
 
@@ -32,11 +36,13 @@ class Trial:
     parts     the forces that they are made of, by kind
     response  what the enforcement answers to the contact conditions
     held      (p,) degrees of freedom whose displacement is given
+    sticks    whether all surfaces with friction that press stick for now, whatever their bounds are
     """
 
     def __init__(self, equations: ImplicitEquations, state: State, balance: Balance) -> None:
         self.equations, self.balance, self.contact = equations, balance, equations.contact
         self.u, self.held = state["displacement"], equations.prescribed.dof
+        self.sticks = False
         self.force: Floats = np.zeros((len(equations.reference), 2))
         self.parts: tuple[Floats, ...] = ()
         multipliers = state["multipliers"] if self.contact is not None else np.zeros((1, 0))
@@ -61,8 +67,17 @@ class Trial:
         """As `evaluate`, where the displacements are those of the last one."""
         if self.contact is not None:
             self.contact.evaluate(self.equations.position)
-            self.contact.enforcement.respond(self.contact.conditions, self.response)
+            self._respond(self.contact)
         self.parts = self.balance.unbalanced(self.force)
+
+    def _respond(self, contact: ImplicitContact) -> None:
+        """Ask the enforcement, with bounds that friction does not reach if surfaces are to stick."""
+        conditions = contact.conditions
+        if self.sticks:
+            kept = conditions.bound
+            rubs = (kept > 0.0).any(axis=0)
+            conditions = replace(conditions, bound=np.where(rubs, [[STUCK], [0.0], [np.inf]], kept))
+        contact.enforcement.respond(conditions, self.response)
 
 
 class ContactForces:
