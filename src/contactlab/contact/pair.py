@@ -162,6 +162,12 @@ class ContactPair(ABC):
         none = np.zeros(0, np.int32)
         return none, none, none
 
+    def slips_at_nodes(self, slips: Floats, gaps: Floats) -> Floats:
+        """Slips (m,) [mm] of nodes: means of those (k,) of their multipliers whose gaps (k,) are covered, 0 without."""
+        near = (gaps < FAR).reshape(self.rows_per_node, -1)
+        total = np.where(near, slips.reshape(near.shape), 0.0).sum(axis=0)
+        return np.asarray(total / np.maximum(near.sum(axis=0), 1))
+
     @abstractmethod
     def calls_per_step(self) -> dict[str, int]:
         """How often a step, or an iteration, calls the algorithm, by what it is asked for."""

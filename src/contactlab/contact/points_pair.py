@@ -51,6 +51,10 @@ class PointsPair(OperatorPair):
         length = np.bincount(slave, weight, m)
         return np.asarray(np.divide(total, length, out=np.zeros(m), where=length > 0.0))
 
+    def slips_at_nodes(self, slips: Floats, gaps: Floats) -> Floats:
+        """Means (m,) [mm] of the points' slips."""
+        return self.at_nodes(slips)
+
     def facing(self) -> Ints:
         """The master segment (m,) in front of a point at each node; `NO_SEGMENT` without one."""
         found = np.full(len(self.slave.nodes), NO_SEGMENT, np.int32)

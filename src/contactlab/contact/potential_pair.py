@@ -91,6 +91,10 @@ class PotentialPair(GapPair):
         """The gradient once, and that of friction."""
         return {"contact potential": 1 + int(self.friction is not None)}
 
+    def slips_at_nodes(self, slips: Floats, gaps: Floats) -> Floats:
+        """Slips (m,) [mm] of the last accepted step: no condition has any."""
+        return self.slipped
+
     # --- a trial ----------------------------------------------------------------------------------
 
     def begin_step(self, position: Floats) -> None:

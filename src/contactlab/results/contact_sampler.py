@@ -14,7 +14,6 @@ from contactlab.api.contact_steps import contact_record
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair
 from contactlab.contact.sliding import VaryingSliding
-from contactlab.kernels.contact.factored_rows import FAR
 from contactlab.kernels.contact.record import RecordColumns, RecordScratch, RecordTable, record_pair
 from contactlab.model.model import Model
 from contactlab.results.contact_nodes import facing_segments, node_values
@@ -169,12 +168,7 @@ def _by_numpy(model: Model, pair: ContactPair, columns: dict[str, np.ndarray]) -
         if "slip" in columns:
             implicit = hasattr(contact, "conditions")
             slips = contact.conditions.slip[own] if implicit else slips_of(model)[own]
-            columns["slip"][row] = _at_nodes(pair, seen.gaps, slips)
+            columns["slip"][row] = pair.slips_at_nodes(slips, seen.gaps)
 
     return record
 
-
-def _at_nodes(pair: ContactPair, gaps: Floats, slips: Floats) -> Floats:
-    if hasattr(pair, "at_nodes"):
-        return np.asarray(pair.at_nodes(slips))
-    return np.asarray(np.where(gaps < FAR, slips, 0.0).reshape(pair.rows_per_node, -1).mean(axis=0))

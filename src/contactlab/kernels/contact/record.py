@@ -134,8 +134,8 @@ def _slips(rows, count, r):
 
 @section
 def _node(row, i, nodes, cover, r, friction):
-    """Sums of tractions and slips, the smallest gap and the last of the states over the multipliers of a node."""
-    first, gap, pressure, shear, slip, state = r.slots[0], FAR, 0.0, 0.0, 0.0, 0
+    """Sums of tractions, the mean of slips, the smallest gap and the last of the states over multipliers of a node."""
+    first, gap, pressure, shear, slip, near, state = r.slots[0], FAR, 0.0, 0.0, 0.0, 0, 0
     for k in range(i, r.scratch.apart.shape[0], nodes):
         normal, tangential, limit = r.multipliers[0, first + k], 0.0, 0.0
         gap = min(gap, r.scratch.apart[k, 0])
@@ -143,7 +143,9 @@ def _node(row, i, nodes, cover, r, friction):
         if friction:
             tangential = r.multipliers[1, first + k]
             shear += r.scratch.traction[1, k]
-            slip += r.scratch.slid[k] if r.scratch.apart[k, 0] < FAR else 0.0
+            if r.scratch.apart[k, 0] < FAR:
+                slip += r.scratch.slid[k]
+                near += 1
             adhesion = r.law[1, k] * cover[k]
             if r.law[2, k] < np.inf:
                 adhesion = min(adhesion, r.law[2, k] * normal)
@@ -154,7 +156,7 @@ def _node(row, i, nodes, cover, r, friction):
     r.out.pressure[row, i] = pressure
     r.out.state[row, i] = state
     if friction:
-        r.out.shear[row, i], r.out.slip[row, i] = shear, slip * nodes / r.scratch.apart.shape[0]
+        r.out.shear[row, i], r.out.slip[row, i] = shear, slip / max(near, 1)
 
 
 @section
