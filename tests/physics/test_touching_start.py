@@ -137,6 +137,27 @@ def test_facets_of_curves_that_fit_touch_and_press_nothing(algorithm: str) -> No
     assert np.mean(curve.pressure) == pytest.approx(exact, rel=0.03)
 
 
+@pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1", "mortar-dual", "gauss-point"])
+def test_a_clearance_below_the_depth_of_the_facets_counts(algorithm: str) -> None:
+    """Facets are 0.02 deep, the clearance is 0.002: Lame's pressure once the inner ring has grown by that.
+
+    It was lost, and the pressure 64 % too high. Per pressure on it a face at r moves by
+
+        (1 + nu)/E ((1 - 2 nu) r A + B/r),   with A = p a^2/(b^2 - a^2) and B = A b^2, or -p b^2/(b^2 - a^2) and A a^2.
+    """
+    clearance, inside, (a, b, c), nu, young = 0.002, 100.0, (6.0, 10.0, 14.0), 0.3, 2e5
+
+    def grows(first: float, second: float) -> float:
+        return (1.0 + nu) / young * ((1.0 - 2.0 * nu) * b * first + second / b)
+
+    inner = a**2 / (b**2 - a**2)
+    by_load, by_contact = grows(inner, inner * b**2), grows(-(b**2) / (b**2 - a**2), -inner * b**2)
+    outer = b**2 / (c**2 - b**2)
+    exact = (inside * by_load - clearance) / (grows(outer, outer * c**2) - by_contact)
+    curve = contactlab.simulate(rings(algorithm, -clearance, tension=inside)).contact["contacts.0"].last
+    assert np.mean(curve.pressure) == pytest.approx(exact, rel=0.03)  # cells of 7 degrees, as above
+
+
 @pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1"])
 def test_an_interference_below_the_depth_of_the_facets_is_no_fit(algorithm: str) -> None:
     """Facets are 0.02 deep; an interference of 0.005 that nothing declares would come to nothing in silence."""

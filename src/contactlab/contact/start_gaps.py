@@ -94,14 +94,11 @@ class ZeroStart(StartGaps):
 
 
 class FittedFacets(ZeroStart):
-    """Overlaps that facets alone make of curved sides that fit: they never count, and open gaps count in full."""
-
-    def __init__(self, gaps: Floats) -> None:
-        super().__init__(np.minimum(gaps, 0.0))
+    """What facets make of the distances of curved sides that fit: it never counts, and their clearance does."""
 
     def told(self) -> str:
         """The amount."""
         return (
             f"the facets of curved sides that fit overlap by up to {-float(self.value.min()):.3g} mm in their weighted "
-            "gaps, and no node lies within the other curve: they count as touching"
+            "gaps, and no node lies within the other curve: the distances of the curves count in their place"
         )

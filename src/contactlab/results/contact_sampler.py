@@ -171,4 +171,3 @@ def _by_numpy(model: Model, pair: ContactPair, columns: dict[str, np.ndarray]) -
             columns["slip"][row] = pair.slips_at_nodes(slips, seen.gaps)
 
     return record
-

@@ -11,6 +11,7 @@ from contactlab.api import ContactCurve, Floats, Ints, RunWarning, SegmentContac
 from contactlab.api.arrays import Flags
 from contactlab.errors import SimulationFailure
 from contactlab.meshing.curves import facet_depths
+from contactlab.meshing.turns import turns
 from contactlab.results.facets import cusps
 from contactlab.results.invariants import NO_STRAIN, ROUND, invariants
 from contactlab.results.strain_scale import energy_of_strain
@@ -150,8 +151,8 @@ def _coarse_facets(model: Model, pair: ContactPair, curve: ContactCurve) -> Iter
     if _facets_fit(pair, model.position, pressed, nearest):
         return  # facets of one side lie on those of the other, however deep
     depth = max(
-        float(facet_depths(pair.slave, model.reference)[pressed].max()),
-        float(facet_depths(pair.master, model.reference)[nearest].max()),
+        float(_depths(pair, pair.slave, model.reference)[pressed].max()),
+        float(_depths(pair, pair.master, model.reference)[nearest].max()),
     )
     displacement = model.state["displacement"]
     apart = displacement[slave] - displacement[master[nearest]]
@@ -169,6 +170,17 @@ def _coarse_facets(model: Model, pair: ContactPair, curve: ContactCurve) -> Iter
         f"{FACETS:.0%} of that): the pressure swings from node to node{low}; take {smooth}cells that are {finer} "
         "times finer along both surfaces (level; from a mesh file, second-order cells or a finer mesh)",
     )  # fmt: skip
+
+
+def _depths(pair: ContactPair, side: Surface, reference: Floats) -> Floats:
+    """How far (m,) [mm] the curve of a side is from what gaps are measured to: facets, or parabolas of quadratic edges.
+
+    The parabola through the ends and the middle of an arc of radius R, 2h long, is h^4/(32 R^3) from it, the chords of
+    its halves are h^2/(8 R).
+    """
+    depths = facet_depths(side, reference)
+    straight = side.edges.shape[1] == 2 or pair.by_energy
+    return depths if straight else 0.25 * turns(side, reference) ** 2 * depths
 
 
 def _few_nodes(model: Model, pair: ContactPair, curve: ContactCurve) -> Iterator[RunWarning]:

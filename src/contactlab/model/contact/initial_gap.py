@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contactlab.api import Floats
+from contactlab.api import Floats, Surface
 from contactlab.api.arrays import Flags
 from contactlab.contact.pair import ContactPair, initial_gaps, start_distances
 from contactlab.contact.start_gaps import FacetOverlap, FittedFacets, RampedOverlap
@@ -105,7 +105,7 @@ def refuse_overlap(plan: Any, pair: Any, bodies: tuple[Body, ...], positions: Fl
 
     Both must tell it: the shapes, and the algorithm that would push it out. A weighted gap alone may be a
     little negative where nothing overlaps, a shape alone where curved surfaces have different chords. If both do, and
-    no node lies within the curve of the other side, facets of curves that fit overlap: they count as touching.
+    no node lies within the curve of the other side, facets of curves that fit overlap: distances of the curves count.
     """
     treated = plan.start.overlap == "ramp" or plan.start.gap == "zero"
     check_overlap(plan.slave, plan.master, bodies, positions, treated, plan.where)
@@ -120,17 +120,33 @@ def refuse_overlap(plan: Any, pair: Any, bodies: tuple[Body, ...], positions: Fl
         if depth[worst] > slack:
             if pair.by_energy or not _curves_fit(pair, positions):
                 raise overlap_error(float(depth[worst]), points[worst], inside, False, plan.where)
-            pair.start_gaps = FittedFacets(start_distances(pair, positions))
+            pair.start_gaps = FittedFacets(_made_by_facets(pair, positions))
             return
+
+
+def _made_by_facets(pair: ContactPair, positions: Floats) -> Floats:
+    """What facets make of the distances (k,) [mm] between fitting curves, whose clearance is known at the nodes."""
+    slave, master = pair.slave, pair.master
+    clearance = distances_to_curve(positions[slave.nodes], master, positions, positions)
+    clearance[clearance < _uncertain(pair, master, positions)] = 0.0
+    most = sum(float(facet_depths(side, positions).max()) for side in (slave, master))
+    gaps = start_distances(pair, positions)
+    made = np.clip(gaps - np.tile(clearance, pair.rows_per_node), -most, most)
+    return np.where(gaps < FAR, made, 0.0)
 
 
 def _curves_fit(pair: ContactPair, positions: Floats) -> bool:
     """Whether no node of either side lies within the curve of the other: facets alone overlap."""
     for own, other in ((pair.slave, pair.master), (pair.master, pair.slave)):
         deepest = float(distances_to_curve(positions[own.nodes], other, positions, positions).min())
-        if deepest < -(ROUND * pair.size + CURVED * float(facet_depths(other, positions).max())):
+        if deepest < -_uncertain(pair, other, positions):
             return False
     return True
+
+
+def _uncertain(pair: ContactPair, other: Surface, positions: Floats) -> float:
+    """What the distance [mm] to the curve of a side is not known to."""
+    return ROUND * pair.size + CURVED * float(facet_depths(other, positions).max())
 
 
 def ramped_overlap(pair: ContactPair, time: Floats, duration: float, positions: Floats) -> RampedOverlap:
