@@ -187,6 +187,29 @@ def test_a_block_slides_at_the_limit_of_coulomb() -> None:
     assert reactions["upper"][0] == pytest.approx(-mu * reactions["upper.top"][1], rel=1e-3)
 
 
+def test_far_from_the_origin_it_slides_as_it_does_there() -> None:
+    """At 1e4 times its size: positions keep 12 digits, small distances keep theirs as they are taken from near by."""
+    changes = {
+        "contacts.0.friction": {"use": "coulomb", "mu": 0.2},
+        "supports.2.ux": {"ramp": "linear", "to": 0.05},
+        "supports.0.uy": 0.0,
+        "bodies.upper.mesh.x": [0.5, 1.5],
+    }
+    away = {f"bodies.{name}.shift": [1e4, -2e4] for name in ("upper", "lower")}
+    near, far = (run(blocks((2, 3), **changes, **more)).summary["reactions"]["upper.top"] for more in ({}, away))
+    assert far == pytest.approx(near, rel=1e-6)  # round-off of 4e-12 mm, in slips of 5e-6 mm that friction follows
+
+
+def test_a_body_that_is_opened_keeps_its_weight() -> None:
+    """Its slave nodes are moved into it by dhat, 2 % of its height: the floor carries what the scene declares."""
+    weight = YOUNG * 1e-4
+    results = run(blocks(**{
+        "supports": [{"on": "lower", "ux": 0.0}, {"on": "lower.bottom", "uy": 0.0}, {"on": "upper", "ux": 0.0}],
+        "effects": [{"use": "gravity", "acceleration": [0.0, -weight / (1e-6 * WIDTH)], "on": ["upper"]}],
+    }))  # fmt: skip
+    assert results.summary["reactions"]["lower.bottom"][1] == pytest.approx(weight, rel=1e-6)
+
+
 def test_a_block_that_sticks_is_as_stiff_as_with_a_mortar() -> None:
     """Half-way to the limit in the mean; 0.83 % less height for the opening, and a slip of 0.1 % of the motion."""
     force, side = {}, 0.02

@@ -49,7 +49,9 @@ class PotentialPair(GapPair):
 
     nodes      (n,) global nodes of both surfaces, the slave's first
     view       what the potential sees; `start` and `lagged` are filled anew
-    at_nodes   (n, 2) [mm] positions of the last `evaluate`
+    origin     (2,) [mm] what the potential's positions are taken from, sizes of the surfaces away from the model's:
+               products of positions far from the origin would lose the digits of small distances
+    at_nodes   (n, 2) [mm] positions of the last `evaluate`, from there
     pushed     (n, 2) [N] gradient there; rubbed: the same of friction, None without
     change     [N] of friction by the last normal forces that were newer
     kept       (n, 2) [N] that of friction at the end of the last step, part of the state
@@ -75,6 +77,9 @@ class PotentialPair(GapPair):
         self.nodes = np.concatenate([self.slave.nodes, self.master.nodes])
         self.dof = np.add.outer(2 * self.nodes, np.arange(2)).ravel()
         at = reference[self.nodes]
+        size = np.ptp(at, axis=0).max()
+        self.origin = np.round(at.mean(axis=0) / size) * size
+        at = at - self.origin
         edges = np.concatenate([self.slave.segments, self.master.segments + len(self.slave.nodes)]).astype(np.int32)
         length = np.zeros(len(at))
         np.add.at(length, edges, 0.5 * np.hypot(*(at[edges[:, 1]] - at[edges[:, 0]]).T)[:, None])
@@ -95,16 +100,20 @@ class PotentialPair(GapPair):
         """Slips (m,) [mm] of the last accepted step: no condition has any."""
         return self.slipped
 
+    def _own(self, position: Floats) -> Floats:
+        """Positions (n, 2) [mm] of the nodes as the potential sees them."""
+        return position[self.nodes] - self.origin
+
     # --- a trial ----------------------------------------------------------------------------------
 
     def begin_step(self, position: Floats) -> None:
         """A step starts at `position` (N, 2)."""
-        self.view.start[:] = self.view.lagged[:] = position[self.nodes]
+        self.view.start[:] = self.view.lagged[:] = self._own(position)
         self.evaluated, self.change = False, np.inf
 
     def evaluate(self, position: Floats) -> None:
         """Forces at trial positions (N, 2)."""
-        self.position, self.at_nodes = position.copy(), position[self.nodes]
+        self.position, self.at_nodes = position.copy(), self._own(position)
         self.pushed = self._checked(self.potential.gradient(self.view, self.at_nodes), "gradient")
         if self.friction is not None:
             self.rubbed = self._friction()
@@ -157,7 +166,7 @@ class PotentialPair(GapPair):
 
     def free_share(self, position: Floats, motion: Floats) -> float:
         """Largest fraction of a motion (N, 2) from `position` (N, 2) that the potential allows."""
-        share = self.potential.largest_step(self.view, position[self.nodes], motion[self.nodes])
+        share = self.potential.largest_step(self.view, self._own(position), motion[self.nodes])
         return min(1.0, max(0.0, float(share)))
 
     def take_over(self) -> bool:
@@ -203,7 +212,7 @@ class PotentialPair(GapPair):
         self.update(self.position, np.zeros((0, m)))
         if self.sliding is not None:
             began = self.position.copy()
-            began[self.nodes] = self.view.start
+            began[self.nodes] = self.view.start + self.origin
             self.slipped[:] = (self.gaps - self.gaps_at(began))[:, 1]
             self.compute_start_normals(began, np.zeros((0, m)))
         self.evaluated = True

@@ -40,8 +40,8 @@ TEXTS: dict[str, tuple[str, str, str]] = {
         "(swap)",
     ),
     "kept-overlap": (
-        "swap", "pressed surfaces come nearer than they may, and contact forces are too small: pushing them back would "
-        "take {value} of the work of the stresses", "",
+        "swap", "pressed surfaces come nearer than they may: forces of given motions are too small, and what loads "
+        "press lies too deep; pushing it back would take {value} of the work of the stresses", "",
     ),
     "creep": (
         "algorithm", "nodes that stick creep by {value} of the motion of the surfaces in the last step: friction holds "

@@ -32,6 +32,7 @@ FIT = 0.05  # segments: how far nodes of like meshes may have slid apart
 FEW_PAIRS = 250_000  # of points: comparing all takes some ms, importing a search tree a tenth of a second
 FEW = 6  # nodes: of a disc on a plane five or fewer press if its facets are as deep as FACETS of the approach
 PEAK = 0.1  # multipliers above nodal pressures: with 3 nodes in a Hertz contact 34 to 52 %, with 5 2 to 6 %
+LEAN, FLAT = 0.01, 1e-3  # of a force: what pressed nodes on a curve may be off by; rad: a flat side turns by less
 ENOUGH = 3  # pressed conditions: one or two in the middle of a symmetric pair may have no shear
 
 
@@ -53,7 +54,7 @@ def judge(model: Model, sample: Sample | None, closed: Flags, largest_force: flo
         if not any(closed[one.own].any() for one in (pair, pair.points) if one is not None):
             model.warnings.add(_never_closed(model, pair, report))
         elif report.largest > ROUND * largest_force:
-            model.warnings.add(*_coarse_facets(model, pair, report.curve), *_few_nodes(model, pair, report.curve))
+            model.warnings.add(*_coarse_facets(model, pair, report.curve), *_few_nodes(model, pair, report))
             _judge_friction(model, pair)
             model.warnings.add(*end_lengths(model, pair))
             # on flat sides that do not match, distances of nodes are no error: their averages are zero
@@ -183,7 +184,7 @@ def _depths(pair: ContactPair, side: Surface, reference: Floats) -> Floats:
     return depths if straight else 0.25 * turns(side, reference) ** 2 * depths
 
 
-def _few_nodes(model: Model, pair: ContactPair, curve: ContactCurve) -> Iterator[RunWarning]:
+def _few_nodes(model: Model, pair: ContactPair, report: ContactReport) -> Iterator[RunWarning]:
     """Whether enough nodes carry the peak of a pressure that falls to zero on both sides of it.
 
     Multipliers and nodal forces over the length that is covered are two pressures of the same forces, which agree
@@ -191,6 +192,7 @@ def _few_nodes(model: Model, pair: ContactPair, curve: ContactCurve) -> Iterator
     says how much the peak exceeds it: h^2/12 of the second derivative, h being the length of the segments beside it.
     A peak at an edge or below an apex has no limit, and is left alone.
     """
+    curve = report.curve
     peak = int(curve.nodal_pressure.argmax())
     chain = next(chain for chain in _chains(pair, curve) if peak in chain)
     at = int(np.flatnonzero(chain == peak)[0])
@@ -211,11 +213,25 @@ def _few_nodes(model: Model, pair: ContactPair, curve: ContactCurve) -> Iterator
         told = f"nodal pressures, which reach {nodal:.4g}, are means over its segments, some {low:.0%} below it"
     place = _place(model, np.array([curve.x[peak], curve.y[peak]]))
     carried = "1 node carries" if len(pressed) == 1 else f"{len(pressed)} nodes carry"
+    lean = _lean(model, pair, report.resultant, model.position[pair.slave.nodes[peak]])
+    told += f"; its force leans by {lean:.1%} from the normal of the flat side" if lean > LEAN else ""
     yield RunWarning(
         "few-nodes", high if high > PEAK else low, PEAK, f"{pair.name}.slave",
         f"{pair.name}: {carried} the pressure around {place}, too few for its peak: {told} "
         f"(limit {PEAK:.0%}); take cells of the slave half as long there",
     )  # fmt: skip
+
+
+def _lean(model: Model, pair: ContactPair, force: Floats, place: Floats) -> float:
+    """Part of a force (2,) [N] without friction that is along the master at a place (2,) where that is flat; else 0."""
+    begin, end = (model.position[pair.master.nodes[pair.master.segments[:, k]]] for k in range(2))
+    along, apart = end - begin, place - begin
+    foot = np.clip((apart * along).sum(axis=1) / (along**2).sum(axis=1), 0.0, 1.0)[:, None] * along
+    nearest = int(((apart - foot) ** 2).sum(axis=1).argmin())
+    bends = np.abs(turns(pair.master, model.position)[pair.master.segments[nearest]]).max()
+    if pair.friction is not None or bends > FLAT:
+        return 0.0
+    return float(abs(force @ along[nearest]) / (np.hypot(*along[nearest]) * max(np.hypot(*force), 1e-300)))
 
 
 def _kept_gaps(model: Model, pairs: list[ContactPair], stored: float) -> Iterator[RunWarning]:

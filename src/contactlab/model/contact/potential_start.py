@@ -12,6 +12,7 @@ from contactlab.api.compiled.chains import nodal_normals, segment_normals
 from contactlab.contact.closest import closest_points, first_crossing
 from contactlab.errors import PartError, SceneError, below
 from contactlab.kernels.contact.search import near_segments
+from contactlab.meshing.mesh import cell_measures
 from contactlab.model.bodies.body import Body, positions_of
 from contactlab.model.contact.cells_behind import stiffness_behind
 from contactlab.model.contact.initial_gap import moved_body, refuse_overlap
@@ -96,7 +97,14 @@ def opened(
         found.append(replace(plan, opened=amount) if amount > 0.0 else plan)
     if not any(plan.opened for plan in found):
         return plans, bodies
-    return tuple(found), tuple(moved_body(body, positions, plans[0].where) for body in bodies)
+    return tuple(found), tuple(_as_heavy(moved_body(body, positions, plans[0].where), body) for body in bodies)
+
+
+def _as_heavy(moved: Body, body: Body) -> Body:
+    """The moved body with the mass that it had."""
+    now, before = (float(cell_measures(each.mesh, each.element).sum()) for each in (moved, body))
+    density = body.material.density * before / now
+    return moved if now == before else replace(moved, material=replace(body.material, density=density))  # type: ignore[type-var]
 
 
 def _open(plan: ContactPlan, bodies: tuple[Body, ...], positions: Floats) -> float:
