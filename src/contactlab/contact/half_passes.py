@@ -92,6 +92,11 @@ class HalfPassSystem(ImplicitContactSystem):
         work = np.where(c.present, c.force[1] * c.slip, 0.0)
         return -sum(pair.share * float(work[pair.own].sum()) for pair in self.passes)
 
+    def directions(self, chosen: Ints) -> tuple[Any, Any]:
+        """Nothing along which motion would be stopped: impulses on one side alone would change momentum."""
+        none = csr_array((len(chosen), self.start.size))
+        return none, none if self.friction else None
+
 
 def shear_stiffness(law: NormalLaw, stiffness: Floats, size: Floats) -> Floats:
     """Shear per slip (k,) [MPa/mm]: what the pressure grows by, per overlap, where surfaces touch."""

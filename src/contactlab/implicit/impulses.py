@@ -1,6 +1,6 @@
 """Velocities at the end of a step: closed surfaces part or meet no more.
 
-A gap that is held at zero at the end of a step says nothing about velocities there: the midpoint rule would let
+A gap that multipliers, or stiff springs, hold at the end of a step says nothing about velocities there: the midpoint rule would let
 them swing about the right ones for ever. Impulses z with
 
     v = v* + M^-1 (G^T z + T^T C z),   G v = 0
@@ -38,11 +38,15 @@ class Impulses(NamedTuple):
 def solve_impulses(contact: ImplicitContact, response: Response, mobility: Floats, velocity: Floats) -> Impulses:
     """Change `velocity` (N, 2) in place by the impulses after which closed contacts do not close further.
 
-    `mobility` (N, 2) is the inverse mass. Springs stop surfaces in their own time, and give back what they store.
+    `mobility` (N, 2) is the inverse mass. Springs that are softer than the nodes which they press, with their inertia
+    over the step, stop surfaces in their own time and give back what they store; stiffer ones hold gaps as multipliers.
     """
     force, enforcement = contact.conditions.force, contact.enforcement
     closed = contact.conditions.present & (force[0] > 0.0)
-    if not ((enforcement.exact or enforcement.augments) and closed.any()):
+    if not (enforcement.exact or enforcement.augments):
+        nodes = np.where(closed, contact.conditions.stiffness, 0.0)
+        closed &= response.by_force[0] * nodes <= response.by_gap[0]
+    if not closed.any():
         return Impulses(np.zeros_like(velocity), np.zeros_like(force), 0.0, 0.0)
     normal, tangent = contact.directions(np.flatnonzero(closed).astype(np.int32))
     stick, ratio = np.zeros(0, np.int64), np.zeros(0)
