@@ -166,6 +166,22 @@ def test_a_bounce_in_implicit_steps_keeps_its_energy(use: str) -> None:
             assert peak == pytest.approx(speed * math.sqrt(RHO * HEIGHT * soft), rel=angle**2 / 2 + 2e-3)
 
 
+@pytest.mark.parametrize("factor", [0.01, 100.0])
+def test_a_soft_penalty_that_loses_a_bounce_is_told(factor: float) -> None:
+    """Springs that follow the step keep no energy; the warning names a law that does. Stiff ones stop nodes alone."""
+    results = done(blocks({"use": "penalty", "factor": factor}, "implicit-dynamics").with_({
+        "integrator": {"use": "implicit-dynamics", "steps": 48}, "time.end": 4e-3, "bodies.upper.velocity": [0.0, -1.5],
+        "bodies.upper.mesh.y": [1e-3, 1e-3 + HEIGHT], "supports": [{"on": "lower.bottom", "ux": 0.0, "uy": 0.0}],
+    }))  # fmt: skip
+    lost = results.summary["balance"]["contact"] / (0.5 * WIDTH * HEIGHT * RHO * 1.5**2)
+    told = [warning for warning in results.warnings if warning.code == "contact-energy"]
+    assert len(told) == (factor < 1.0)
+    for warning in told:
+        assert warning.value == pytest.approx(lost, rel=1e-6)
+        assert warning.key == "contacts.0.enforcement"
+        assert "linear-pressure" in warning.text
+
+
 def test_surfaces_that_a_law_presses_before_the_run_are_told() -> None:
     """The integral of the pressure over its clearance, over the width, beside the energy of a slow throw."""
     rest = {"time.end": 1e-6, "supports": [{"on": "lower.bottom", "ux": 0.0, "uy": 0.0}]}

@@ -266,6 +266,11 @@ class ImplicitEnforcement(Enforcement):
 
     augments: ClassVar[bool] = False
 
+    @property
+    def stores(self) -> bool:
+        """Whether springs are so soft that they take the energy of impacts; runs warn if they do not give it back."""
+        return False
+
     @abstractmethod
     def respond(self, conditions: Conditions, out: Response) -> None:
         """Fill `out`. Residuals are piecewise smooth; at a kink the derivative of either side will do."""

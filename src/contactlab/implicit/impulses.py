@@ -1,7 +1,7 @@
 """Velocities at the end of a step: closed surfaces part or meet no more.
 
-A gap that multipliers, or stiff springs, hold at the end of a step says nothing about velocities there: the midpoint rule would let
-them swing about the right ones for ever. Impulses z with
+A gap that multipliers or stiff springs hold at the end of a step says nothing about velocities there: the midpoint rule
+would let them swing about the right ones for ever. Impulses z with
 
     v = v* + M^-1 (G^T z + T^T C z),   G v = 0
 

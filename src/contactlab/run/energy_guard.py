@@ -80,7 +80,7 @@ class EnergyGuard:
             assert self.model.contact is not None
             made = float(self.work[3]) + self.model.contact.stored_since_start - self.pushed
             self._made_by_contact(made, last)
-            if last and made < -LOST * self.scale and _gives_back(self.model.contact):
+            if last and made < -LOST * self.scale and self._gives_back():
                 self._lost_by_contact(-made)
 
     def step_made_energy(self) -> bool:
@@ -152,12 +152,26 @@ class EnergyGuard:
                 )
             )  # fmt: skip
 
+    def _gives_back(self) -> bool:
+        """Whether all contact forces are derivatives of energies: multipliers and laws that remember may take some."""
+        contact: Any = self.model.contact
+        if _softly(contact):  # what its springs hold is not known
+            return not self.model.state["contact_force"].any()
+        store = getattr(contact, "store", None)
+        return all(pair.by_energy for pair in contact.passes) or (store is not None and not store.law.named())
+
     def _lost_by_contact(self, lost: float) -> None:
+        key, what = self.shorter.split()[-1], f"its forces change too much in a step; try {self.shorter}"
+        if _softly(self.model.contact):
+            key, what = "contacts.0.enforcement", (
+                "its springs follow the step; a pressure law gives energy back: write contacts.0.enforcement = "
+                '{ use = "linear-pressure", stiffness = ... }, in MPa/mm'
+            )  # fmt: skip
         self.model.warnings.add(
             RunWarning(
-                "contact-energy", -lost / self.scale, -LOST, self.shorter.split()[-1],
+                "contact-energy", -lost / self.scale, -LOST, key,
                 f"contact has lost {lost:.3g} of energy, {self._share(lost)} (allowed {LOST:.0%}), but stores all "
-                f"that it takes: its forces change too much in a step; try {self.shorter}",
+                f"that it takes: {what}",
             )
         )  # fmt: skip
 
@@ -194,10 +208,9 @@ class EnergyGuard:
         return f"body {name} has {shares[name] / max(float(squares.sum()), 1e-300):.0%} of the kinetic energy"
 
 
-def _gives_back(contact: Any) -> bool:
-    """Whether all contact forces are derivatives of energies: multipliers and laws that remember may take some."""
-    store = getattr(contact, "store", None)
-    return all(pair.by_energy for pair in contact.passes) or (store is not None and not store.law.named())
+def _softly(contact: Any) -> bool:
+    """Whether surfaces are held by springs that should give energy back, and no law says how much they hold."""
+    return bool(getattr(contact.enforcement, "stores", False))
 
 
 def _come(model: Model) -> tuple[Floats, Floats]:

@@ -5,6 +5,9 @@
 with the stiffness e, `factor` times that of the nodes in contact (`contactlab.api.Conditions.stiffness`). The anchor
 a is zero for penalty (tangentially the force at the start of the step); an augmented Lagrangian makes the forces of a
 converged iteration its next anchor until gaps and slips are those of exact multipliers.
+
+In steps in time the stiffness of nodes has their inertia over the step in it. Springs of a `factor` of at least 1 hold
+gaps as multipliers do, with impulses that make velocities fit (docs/statics.md); softer ones lose energy.
 """
 
 from __future__ import annotations
@@ -32,6 +35,11 @@ class Penalty(ImplicitEnforcement):
 
     def __post_init__(self) -> None:
         _refuse_factor(self.factor)
+
+    @property
+    def stores(self) -> bool:
+        """Whether springs are softer than the nodes: stiffer ones stop them within a step."""
+        return self.factor < 1.0
 
     def respond(self, conditions: Conditions, out: Response) -> None:
         """Answer gaps and slips with springs, along the normal without memory."""
