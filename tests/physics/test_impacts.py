@@ -169,7 +169,7 @@ def unlike(enforcement: dict[str, Any], steps: int, angle: float = 0.0) -> tuple
 def test_stiff_springs_press_evenly(enforcement: dict[str, Any], steps: int, angle: float) -> None:
     """Without impulses they press with 0.28 to 1.84 times the pressure in turn.
 
-    What is left is the ripple behind the front, which rises over a step: of first order, 5 % with 50 steps and 2.3 % with
+    What is left is the ripple behind the front, which rises over a step: of first order, 5 % with 50 steps, 2.3 % with
     100. Exact multipliers cut their steps and have 1.2 %.
     """
     time, force = unlike(enforcement, steps, angle)
