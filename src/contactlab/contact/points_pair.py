@@ -59,7 +59,7 @@ class PointsPair(OperatorPair):
         """The master segment (m,) in front of a point at each node; `NO_SEGMENT` without one."""
         found = np.full(len(self.slave.nodes), NO_SEGMENT, np.int32)
         segment = self.master.node_segments[self.pieces.master[: self.count, 0], 1]
-        found[self.pieces.slave[: self.count, :2]] = np.where(segment >= 0, segment, NO_SEGMENT)[:, None]
+        found[self.pieces.slave[: self.count]] = np.where(segment >= 0, segment, NO_SEGMENT)[:, None]
         return np.minimum(found, NO_SEGMENT)
 
     def _shares(self) -> tuple[Ints, Ints, Floats]:

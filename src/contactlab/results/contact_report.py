@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contactlab.api import Floats, State
+from contactlab.api import Floats, PointContact, State
 from contactlab.api.arrays import Flags
 from contactlab.contact.pair import ContactPair, ContactSnapshot, turned
+from contactlab.contact.points_pair import PointsPair
 from contactlab.kernels.contact.factored_rows import FAR
 from contactlab.kernels.contact.penetration import depths, with_midpoints
 from contactlab.results.arc_length import arc_length
@@ -149,6 +150,8 @@ def _integral(
     With the covered `share` of nodes, tractions at pressed ends and vertices act along the contact's force there, as do
     those of nodes beside them that bear no force: their multipliers belong to the vertex.
     """
+    if share is None and _quadratic_tractions(pair):
+        return _simpson(seen.at.slave[pair.slave.edges], pressure[pair.slave.edges], shear[pair.slave.edges])
     a, b = pair.slave.segments.T
     edge = seen.at.slave[b] - seen.at.slave[a]
     inward = np.repeat(np.stack([-edge[:, 1], edge[:, 0]], axis=1)[:, None], 2, axis=1)
@@ -168,6 +171,21 @@ def _integral(
         inward[vertex] = lengths[vertex][:, None] * direction[pair.slave.segments[vertex]]
     total = np.einsum("sk,skd->d", pressure[pair.slave.segments], inward)
     return np.asarray(0.5 * (total + turned(np.einsum("sk,skd->d", shear[pair.slave.segments], inward)[None])[0]))
+
+
+def _quadratic_tractions(pair: ContactPair) -> bool:
+    """Whether tractions belong to points of quadratic edges, and are quadratic between them as their lengths are."""
+    by_nodes = isinstance(pair.method, PointContact) and not pair.method.points
+    return pair.slave.edges.shape[1] == 3 and (by_nodes or isinstance(pair, PointsPair))
+
+
+def _simpson(x: Floats, pressure: Floats, shear: Floats) -> Floats:
+    """Integral (2,) [N] of tractions (e, 3) along quadratic edges with nodes x (e, 3, 2): start, end, middle."""
+    slope = np.array([[-1.5, -0.5, 2.0], [0.5, 1.5, -2.0], [-0.5, 0.5, 0.0]])
+    weighted = np.array([1.0, 1.0, 4.0])[:, None] / 3.0 * np.einsum("kj,ejd->ekd", slope, x)
+    inward = np.stack([-weighted[..., 1], weighted[..., 0]], axis=-1)
+    total, along = (np.einsum("ek,ekd->d", values, inward) for values in (pressure, shear))
+    return np.asarray(total + turned(along[None])[0])
 
 
 def _is_vertex(pair: ContactPair, edge: Floats) -> Flags:

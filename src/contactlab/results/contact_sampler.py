@@ -87,13 +87,13 @@ def _recorder_of(model: Model, pair: ContactPair, columns: dict[str, np.ndarray]
     """What fills a row of one contact from the model after a step."""
     if not isinstance(pair, OperatorPair) or pair.algorithm.points_press:
         return _by_numpy(model, pair, columns)
-    compiled, corners = _compiled(model, pair, columns), pair.corners
-    if corners is None:
+    compiled, corners, curved = _compiled(model, pair, columns), pair.corners, pair.smooth is not None
+    if corners is None and not curved:
         return compiled
 
     def record(row: int) -> None:
         compiled(row)
-        if corners.touching:
+        if curved or (corners is not None and corners.touching):
             _fill(columns, row, node_values(pair, pair.snapshot(model.state, model.position)))
 
     return record

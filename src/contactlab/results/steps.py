@@ -10,6 +10,7 @@ import numpy as np
 from contactlab.api import FactoredRows, Floats, Step
 from contactlab.api.compiled.bound_arrays import BoundArrays
 from contactlab.api.state import WORK
+from contactlab.contact.pair import ContactPair
 from contactlab.kernels.step_scalars import ACTIVE, CONTACT, MODEL, STICKING, model_scalars, step_scalars
 from contactlab.model.model import Model
 from contactlab.results.energies import split_of
@@ -137,7 +138,7 @@ def _with_conditions(sampler: StepSampler, model: Model) -> Sample:
         before, now = sampler.states
         for pair in contact.pairs:
             own = pair.own
-            now[own], penetration = _conditions_of(contact.conditions, own)
+            now[own], penetration = _conditions_of(contact.conditions, pair)
             active, sticking = np.count_nonzero(now[own]), np.count_nonzero(now[own] == STICKING)
             sampler.rows[row, at : at + 4] = active, sticking, penetration, np.count_nonzero(now[own] != before[own])
             at += 4
@@ -149,8 +150,9 @@ def _with_conditions(sampler: StepSampler, model: Model) -> Sample:
     return sample
 
 
-def _conditions_of(c: Any, own: slice) -> tuple[np.ndarray, float]:
+def _conditions_of(c: Any, pair: ContactPair) -> tuple[np.ndarray, float]:
     """Find the states of the conditions of one pair, and its penetration."""
+    own = pair.own
     pressed = c.force[0, own]
     pulled = np.abs(c.force[-1, own]) if len(c.force) > 1 else np.zeros_like(pressed)
     active = (pressed > 0.0) | (pulled > 0.0)
@@ -159,7 +161,8 @@ def _conditions_of(c: Any, own: slice) -> tuple[np.ndarray, float]:
         coefficient, adhesion, cap = c.bound[:, own]
         with np.errstate(invalid="ignore"):  # no force under an infinite cap
             capped = np.fmin(adhesion * c.measure[own], cap * pressed)
-        sticking = active & (pulled < (coefficient * pressed + capped) * (1.0 - 1e-9))
+        bound = coefficient * pressed + capped
+        sticking = active & (pulled < bound - np.maximum(1e-9 * bound, pair.lagged * pressed.max(initial=0.0)))
     deepest = np.where(c.present[own], -c.gap[own], 0.0).max(initial=0.0)
     return np.where(sticking, STICKING, active * ACTIVE), float(deepest)
 

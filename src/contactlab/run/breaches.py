@@ -86,7 +86,7 @@ def _cure(one: Invariant, model: Model) -> str:
             "ends: shorten them (cells of its body, or `segment` of a rigid surface)"
         )
     if pair.method.passes_patch_test:
-        return f"{FINER}; forces are right, and nodal_pressure alternates less"
+        return f"{FINER}; pressures add up to the forces, and nodal_pressure alternates less"
     return f'write {one.where}.algorithm = "mortar-p1", or refine the master (level)'
 
 

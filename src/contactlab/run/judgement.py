@@ -163,7 +163,7 @@ def _coarse_facets(model: Model, pair: ContactPair, curve: ContactCurve) -> Iter
     finer = _finer(depth / max(FACETS * approach, 1e-300))
     curves = isinstance(pair.method, SegmentContact) and pair.slave.edges.shape[1] == pair.master.edges.shape[1] == 2
     smooth = "smooth = true of the contact, or " if curves else ""
-    low = f", the mean pressure of a fit is about {0.45 * depth / approach:.0%} too low" if depth <= approach else ""
+    low = f", the mean pressure of a fit is off by about {0.45 * depth / approach:.0%}" if depth <= approach else ""
     yield RunWarning(
         "coarse-facets", depth, FACETS * approach, f"{pair.name}.smooth" if curves else "level",
         f"{pair.name}: the facets of its curved surfaces are {depth:.3g} deep where they press, from "

@@ -1,0 +1,131 @@
+"""Numbers that stand in several places of the results agree: records of steps, curves, counts and integrals.
+
+Every contact algorithm with friction leaves its slips, node by node and step by step, under every integrator.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from contactlab.parts.registry import default_registry
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import Scene
+
+ASIDE = 0.1
+IMPLICIT = "newton", "implicit-dynamics"
+WAYS = {"newton": {"steps": 4}, "implicit-dynamics": {"steps": 40}, "central-difference": {}}
+POTENTIALS = "barrier", "midplane"
+
+
+def dragged(algorithm: str, integrator: str) -> Scene:
+    """A block that lies on a floor and is dragged aside while it is pressed; it is at rest where there is inertia."""
+    heavy = 1e-9 if integrator == "newton" else 1e-2  # waves take 0.02 s across: the loading is slow
+    return Scene.from_data({
+        "time": {"end": 1.0 if integrator != "newton" else "auto"},
+        "integrator": {"use": integrator, **WAYS[integrator]},
+        "materials": {"m": {"use": "neo-hookean", "young": 100.0, "poisson": 0.3, "density": heavy}},
+        "bodies": {"b": {"element": "q1", "material": "m", "mesh": {
+            "use": "rectangle", "x": [0.0, 4.0], "y": [0.0, 2.0], "cells": [4, 2]}}},
+        "rigid": {"floor": {"line": [[9.0, 0.0], [-5.0, 0.0]]}},
+        "supports": [{"on": "b.top", "ux": {"ramp": "linear", "to": ASIDE}, "uy": {"ramp": "linear", "to": -0.1}}],
+        "contacts": [{"slave": "b.bottom", "master": "floor", "algorithm": algorithm,
+                      "friction": {"use": "coulomb", "mu": 0.05}}],
+    })  # fmt: skip
+
+
+def every() -> Iterator[tuple[str, str]]:
+    """Names of algorithms and integrators."""
+    for name in default_registry().names("contact"):
+        for integrator in IMPLICIT if name in POTENTIALS else WAYS:
+            yield name, integrator
+
+
+@pytest.mark.parametrize(("algorithm", "integrator"), list(every()))
+def test_slips_of_all_steps_add_up_to_the_drag(algorithm: str, integrator: str, tmp_path: Path) -> None:
+    """On a flat floor the slips of a node that never leaves it add up to its motion, to single precision of each."""
+    results = simulate(dragged(algorithm, integrator), tmp_path / "run")
+    assert results.status == "finished", results.reason
+    slips = np.concatenate([rows["slip"] for block in results.contact_step_blocks() for rows in block.values()])
+    total = slips.sum(axis=0, dtype=float)[1:-1]
+    (contact,) = results.contact.values()
+    moved = np.sort(contact.last.x - np.round(contact.last.x))[1:-1]  # nodes were at 0, 1, .. 4 mm
+    assert np.all(moved > 0.5 * ASIDE)
+    np.testing.assert_allclose(np.sort(np.abs(total)), moved, rtol=1e-4)
+
+
+SPRINGS = {"use": "linear-pressure", "stiffness": 1e4}
+
+
+def pressed_arc(algorithm: dict[str, Any], element: str, smooth: bool) -> Scene:
+    """A ring in another one that it presses and turns in."""
+    steel = {"use": "linear-elastic", "young": 1000.0, "poisson": 0.3, "density": 1e-9}
+    radii = {"inner": ([3.0, 5.0], 9), "outer": ([5.1, 7.0], 7)}
+    bodies = {name: {"element": element, "material": "m",
+                     "mesh": {"use": "ring", "radii": span, "cells": [cells, 2], "angles": [20.0, 160.0]}}
+              for name, (span, cells) in radii.items()}  # fmt: skip
+    contact = {"slave": "inner.outer", "master": "outer.inner", "friction": {"use": "coulomb", "mu": 0.2}} | algorithm
+    turn = {"ux": {"ramp": "linear", "to": 0.02}, "uy": {"ramp": "linear", "to": 0.2}}
+    return Scene.from_data({
+        "integrator": {"use": "newton", "steps": 5},
+        "materials": {"m": steel}, "bodies": bodies, "contacts": [contact | ({"smooth": True} if smooth else {})],
+        "supports": [{"on": "outer.outer", "ux": 0.0, "uy": 0.0}, {"on": "inner.inner"} | turn],
+    })  # fmt: skip
+
+
+def kinds() -> Iterator[tuple[dict[str, Any], str, bool]]:
+    """Algorithms, elements, and whether surfaces are smooth."""
+    for name in default_registry().names("contact"):
+        yield {"algorithm": name}, "q1", False
+        yield {"algorithm": name}, "q2", False
+    yield {"algorithm": "mortar-p0"}, "q1", True
+    yield {"algorithm": "mortar-p1"}, "q1", True
+    for element in ("q1", "q2"):
+        yield {"algorithm": {"use": "gauss-point", "passes": 2}, "enforcement": SPRINGS}, element, False
+
+
+@pytest.mark.parametrize(("algorithm", "element", "smooth"), list(kinds()))
+def test_the_record_of_the_last_step_is_the_curve_of_the_end(
+    algorithm: dict[str, Any], element: str, smooth: bool, tmp_path: Path
+) -> None:
+    """To single precision; closed nodes face a segment, and the step counts as many as stick as the record shows."""
+    results = simulate(pressed_arc(algorithm, element, smooth), tmp_path / "run")
+    assert results.status == "finished", results.reason
+    ((name, contact),) = results.contact.items()
+    row = [rows[name][-1] for rows in results.contact_step_blocks()][-1]
+    curve = contact.last
+    closed = curve.state > 0
+    assert closed.any()
+    np.testing.assert_array_equal(row["state"], curve.state)
+    for quantity in ("pressure", "shear", "gap"):
+        now = np.asarray(getattr(curve, quantity))
+        # gaps are differences of positions in double precision, pressures those of forces that balance to 1e-8
+        np.testing.assert_allclose(row[quantity], now, rtol=1e-5, atol=1e-6 * np.nanmax(np.abs(now)) + 1e-9)
+    assert np.all(row["segment"][closed] < len(curve.s) * 10)
+    if np.size(row["state"]) == results.steps[f"{name}.active"][-1]:  # one condition a node: all are closed
+        assert results.steps[f"{name}.sticking"][-1] == np.count_nonzero(row["state"] == 1)
+
+
+@pytest.mark.parametrize("algorithm", default_registry().names("contact"))
+@pytest.mark.parametrize("element", ["q1", "q2"])
+def test_the_integral_of_an_even_pressure_is_the_force(algorithm: str, element: str) -> None:
+    """A block that slides on a wider one: pressures of fully covered slaves add up to the force, within their ends."""
+    block = {"use": "rectangle", "x": [0.0, 2.0], "y": [0.0, 1.0], "cells": [6, 2]}
+    floor = {"use": "rectangle", "x": [-1.0, 3.0], "y": [-1.0, 0.0], "cells": [9, 2]}
+    body = {"element": element, "material": "m"}
+    results = simulate(Scene.from_data({
+        "integrator": {"use": "newton", "steps": 4},
+        "materials": {"m": {"use": "linear-elastic", "young": 1000.0, "poisson": 0.0, "density": 1e-9}},
+        "bodies": {"block": {**body, "mesh": block}, "floor": {**body, "mesh": floor}},
+        "supports": [{"on": "floor", "uy": 0.0}, {"on": "floor.bottom", "ux": 0.0},
+                     {"on": "block.top", "ux": {"ramp": "linear", "to": 0.1}, "uy": {"ramp": "linear", "to": -0.02}}],
+        "contacts": [{"slave": "block.bottom", "master": "floor.top", "algorithm": algorithm,
+                      "friction": {"use": "coulomb", "mu": 0.3}}],
+        "record": {"recorders": []},
+    }))  # fmt: skip
+    (facts,) = results.summary["contacts"].values()
+    np.testing.assert_allclose(facts["pressure_integral"], facts["resultant"], rtol=5e-3)
