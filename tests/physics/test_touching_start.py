@@ -158,6 +158,15 @@ def test_a_clearance_below_the_depth_of_the_facets_counts(algorithm: str) -> Non
     assert np.mean(curve.pressure) == pytest.approx(exact, rel=0.03)  # cells of 7 degrees, as above
 
 
+def test_facets_of_a_fit_that_single_nodes_press_are_told() -> None:
+    """Nodes press where they stand opposite to others, every fourth; the open ones between them do not fit."""
+    scene = rings("node-on-segment", -0.002, tension=100.0).with_({"contacts.0.swap": True})
+    results = contactlab.simulate(scene)
+    curve = results.contact["contacts.0"].last
+    assert np.mean(curve.pressure > 0.0) < 0.5  # the fit is evenly pressed in truth
+    assert "coarse-facets" in {warning.code for warning in results.warnings}
+
+
 @pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1"])
 def test_an_interference_below_the_depth_of_the_facets_is_no_fit(algorithm: str) -> None:
     """Facets are 0.02 deep; an interference of 0.005 that nothing declares would come to nothing in silence."""

@@ -16,6 +16,7 @@ from contactlab.api import (
     Floats,
     FrictionLaw,
     Ints,
+    PointContact,
     Rows,
     State,
     Surface,
@@ -145,6 +146,11 @@ class ContactPair(ABC):
     def rows_per_node(self) -> int:
         """Multipliers that a slave node can carry."""
         return self.slots // len(self.slave.nodes)
+
+    @property
+    def at_points(self) -> bool:
+        """Whether tractions belong to points, and are quadratic along quadratic edges as the lengths of points are."""
+        return isinstance(self.method, PointContact) and not self.method.points
 
     @property
     def own(self) -> slice:

@@ -43,6 +43,11 @@ class PointsPair(OperatorPair):
         tractions = np.divide(forces, lengths, out=np.zeros_like(forces), where=lengths > 0.0)
         return ContactSnapshot(points.at, gaps, normals, lengths, forces, tractions)
 
+    @property
+    def at_points(self) -> bool:
+        """Whether tractions belong to points: those of its nodes are means of them."""
+        return True
+
     def at_nodes(self, values: Floats) -> Floats:
         """Means (m,) of values (k,) of the points at each node; 0 where it has none."""
         slave, multiplier, share = self._shares()

@@ -102,7 +102,7 @@ class PotentialPair(GapPair):
 
     def _own(self, position: Floats) -> Floats:
         """Positions (n, 2) [mm] of the nodes as the potential sees them."""
-        return position[self.nodes] - self.origin
+        return np.asarray(position[self.nodes] - self.origin)
 
     # --- a trial ----------------------------------------------------------------------------------
 

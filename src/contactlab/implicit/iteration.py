@@ -92,15 +92,16 @@ class NewtonIteration:
             if length == 0.0:
                 outcome.reason = f"no fraction of the correction above {SHORTEST:.3f} can be taken: {note}"
                 return outcome
-            outcome.residual = residual = self._residual()
-            rest = float(np.abs(trial.still_to_move(target)).max(initial=0.0))
-            outcome.trace.append(self._record(residual, changed, length, note))
-            trial.equations.iterated()
+            residual = self._residual()
             if trial.sticks and residual.largest <= RELEASED:
                 trial.sticks = False
                 trial.update_forces()
                 self.search.forget()
-                continue
+                residual = self._residual()
+            outcome.residual = residual
+            rest = float(np.abs(trial.still_to_move(target)).max(initial=0.0))
+            outcome.trace.append(self._record(residual, changed, length, note))
+            trial.equations.iterated()
             if residual.largest <= self.tolerance and rest == 0.0:
                 if softly := softly + 1 if self.soft else 0:
                     if softly > 1:

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contactlab.api import Floats, PointContact, State
+from contactlab.api import Floats, State
 from contactlab.api.arrays import Flags
 from contactlab.contact.pair import ContactPair, ContactSnapshot, turned
-from contactlab.contact.points_pair import PointsPair
 from contactlab.kernels.contact.factored_rows import FAR
 from contactlab.kernels.contact.penetration import depths, with_midpoints
 from contactlab.results.arc_length import arc_length
@@ -150,7 +149,7 @@ def _integral(
     With the covered `share` of nodes, tractions at pressed ends and vertices act along the contact's force there, as do
     those of nodes beside them that bear no force: their multipliers belong to the vertex.
     """
-    if share is None and _quadratic_tractions(pair):
+    if share is None and pair.at_points and pair.slave.edges.shape[1] == 3:
         return _simpson(seen.at.slave[pair.slave.edges], pressure[pair.slave.edges], shear[pair.slave.edges])
     a, b = pair.slave.segments.T
     edge = seen.at.slave[b] - seen.at.slave[a]
@@ -171,12 +170,6 @@ def _integral(
         inward[vertex] = lengths[vertex][:, None] * direction[pair.slave.segments[vertex]]
     total = np.einsum("sk,skd->d", pressure[pair.slave.segments], inward)
     return np.asarray(0.5 * (total + turned(np.einsum("sk,skd->d", shear[pair.slave.segments], inward)[None])[0]))
-
-
-def _quadratic_tractions(pair: ContactPair) -> bool:
-    """Whether tractions belong to points of quadratic edges, and are quadratic between them as their lengths are."""
-    by_nodes = isinstance(pair.method, PointContact) and not pair.method.points
-    return pair.slave.edges.shape[1] == 3 and (by_nodes or isinstance(pair, PointsPair))
 
 
 def _simpson(x: Floats, pressure: Floats, shear: Floats) -> Floats:

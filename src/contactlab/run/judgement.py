@@ -149,7 +149,7 @@ def _coarse_facets(model: Model, pair: ContactPair, curve: ContactCurve) -> Iter
         return
     slave, master = pair.slave.nodes[pressed], pair.master.nodes
     nearest = _nearest(model.position[slave], model.position[master])[1]
-    if _facets_fit(pair, model.position, pressed, nearest):
+    if _facets_fit(pair, model.position, np.concatenate(list(_stretches(curve, _chains(pair, curve))))):
         return  # facets of one side lie on those of the other, however deep
     depth = max(
         float(_depths(pair, pair.slave, model.reference)[pressed].max()),
@@ -269,15 +269,18 @@ def _chains(pair: ContactPair, curve: ContactCurve) -> list[Ints]:
 
 def _few_between_open_ones(curve: ContactCurve, chains: list[Ints]) -> bool:
     """Whether nowhere more than `FEW` nodes in a row are pressed, or fewer apart, and one is open beside those."""
-    open_beside = False
+    if any(len(stretch) > FEW for stretch in _stretches(curve, chains)):
+        return False
+    ends = [chain[[0, -1]] for chain in chains if (curve.nodal_pressure[chain] > 0.0).any()]
+    return any((curve.nodal_pressure[pair] <= 0.0).any() for pair in ends)
+
+
+def _stretches(curve: ContactCurve, chains: list[Ints]) -> Iterator[Ints]:
+    """Slave nodes from a pressed one to another, with those between them, of which no more than `FEW` are in a row."""
     for chain in chains:
         pressed = np.flatnonzero(curve.nodal_pressure[chain] > 0.0)
-        if len(pressed):
-            spots = np.split(pressed, np.flatnonzero(np.diff(pressed) > FEW) + 1)
-            if any(np.ptp(spot) >= FEW for spot in spots):
-                return False
-            open_beside |= bool(pressed[0] > 0 or pressed[-1] < len(chain) - 1)
-    return open_beside
+        for spot in np.split(pressed, np.flatnonzero(np.diff(pressed) > FEW) + 1) if len(pressed) else ():
+            yield chain[spot[0] : spot[-1] + 1]
 
 
 def _finer(ratio: float) -> str:
@@ -287,10 +290,11 @@ def _finer(ratio: float) -> str:
     return f"{unit * np.ceil(factor / unit - 1e-9):.2g}"
 
 
-def _facets_fit(pair: ContactPair, position: Floats, pressed: Ints, nearest: Ints) -> bool:
-    """Whether each pressed slave node has a master node beside it, so that both sides have the same facets."""
-    apart = position[pair.slave.nodes[pressed]] - position[pair.master.nodes[nearest]]
-    normal = _normals(pair.slave, position)[pressed]
+def _facets_fit(pair: ContactPair, position: Floats, nodes: Ints) -> bool:
+    """Whether each of the slave's `nodes` has a master node beside it, so that both sides have the same facets."""
+    place = position[pair.slave.nodes[nodes]]
+    nearest = _nearest(place, position[pair.master.nodes])[1]
+    apart, normal = place - position[pair.master.nodes[nearest]], _normals(pair.slave, position)[nodes]
     along = np.abs(apart[:, 0] * normal[:, 1] - apart[:, 1] * normal[:, 0])
     return bool(along.max() <= FIT * pair.size and len(np.unique(nearest)) == len(nearest))
 
