@@ -45,7 +45,7 @@ class PointsPair(OperatorPair):
 
     @property
     def at_points(self) -> bool:
-        """Whether tractions belong to points: those of its nodes are means of them."""
+        """True: tractions of nodes are means over points."""
         return True
 
     def at_nodes(self, values: Floats) -> Floats:

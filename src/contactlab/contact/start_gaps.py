@@ -94,7 +94,7 @@ class ZeroStart(StartGaps):
 
 
 class FittedFacets(ZeroStart):
-    """What facets make of the distances of curved sides that fit: it never counts, and their clearance does."""
+    """The part of gaps that facets of fitting curves cause: it never counts, the clearance of the curves does."""
 
     def told(self) -> str:
         """The amount."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api import Floats, Surface
+from contactlab.api import Floats, Ints, Surface
 from contactlab.meshing.turns import facet_lengths, turns
 
 CORNER = 0.6
@@ -35,19 +35,30 @@ def distances_to_curve(points: Floats, surface: Surface, position: Floats, refer
     return np.concatenate([np.zeros(0), *(_distances(part, surface, position, depths) for part in parts)])
 
 
-def _distances(points: Floats, surface: Surface, position: Floats, depths: Floats) -> Floats:
+def nearest_segments(points: Floats, surface: Surface, position: Floats) -> tuple[Ints, Floats]:
+    """Segments (n,) of a surface nearest to points (n, 2), and where (n,) on their lines the points' feet are.
+
+    0 is the start of a segment and 1 its end; `position` (N, 2) [mm] are those of the model's nodes.
+    """
     begin, end = (position[surface.nodes[surface.segments[:, k]]] for k in range(2))
     along, apart = end - begin, points[:, None] - begin
     at = (apart * along).sum(axis=2) / (along**2).sum(axis=1)
-    last = surface.node_segments[surface.segments, [0, 1]] < 0  # chain ends at the start, at the end of a segment
-    beyond = ((at < 0.0) & last[:, 0]) | ((at > 1.0) & last[:, 1])
-    at = np.clip(at, 0.0, 1.0)
-    apart = apart - at[..., None] * along
+    apart = apart - np.clip(at, 0.0, 1.0)[..., None] * along
     nearest = (apart**2).sum(axis=2).argmin(axis=1)
-    every = np.arange(len(points))
-    off, edge, at = apart[every, nearest], along[nearest], at[every, nearest]
+    return nearest.astype(np.int32), at[np.arange(len(points)), nearest]
+
+
+def _distances(points: Floats, surface: Surface, position: Floats, depths: Floats) -> Floats:
+    nearest, at = nearest_segments(points, surface, position)
+    begin, end = (position[surface.nodes[surface.segments[nearest, k]]] for k in range(2))
+    # chain ends at the start, at the end of a segment
+    last = surface.node_segments[surface.segments, [0, 1]] < 0
+    beyond = ((at < 0.0) & last[nearest, 0]) | ((at > 1.0) & last[nearest, 1])
+    at = np.clip(at, 0.0, 1.0)
+    edge = end - begin
+    off = (points - begin) - at[:, None] * edge
     height = (off[:, 0] * edge[:, 1] - off[:, 1] * edge[:, 0]) / np.hypot(*edge.T)
     both = depths[surface.segments]
     both = np.where(last, both[:, ::-1], both)  # an end has no turn of its own
     bulge = 4.0 * at * (1.0 - at) * both.mean(axis=1)[nearest]
-    return np.asarray(np.where(beyond[every, nearest], height, np.copysign(np.hypot(*off.T), height)) - bulge)
+    return np.asarray(np.where(beyond, height, np.copysign(np.hypot(*off.T), height)) - bulge)

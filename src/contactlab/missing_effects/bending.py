@@ -53,7 +53,7 @@ class Bending:
     """`worst`: largest and smallest B - V, largest W and hourglass energy, and largest kinetic energy of the run [mJ].
 
     Bodies that fly or rock hold little energy in their strains: how large an error these have decides little there.
-    The same is true of a stiff body beside a soft one. `every` holds this detector and those of the other bodies.
+    A stiff body beside a soft one holds little energy, too. `every` holds this detector and those of the other bodies.
     """
 
     def __init__(self, forces: BodyForces, model: Model, every: Sequence[Bending]) -> None:

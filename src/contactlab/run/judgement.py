@@ -10,7 +10,7 @@ import numpy as np
 from contactlab.api import ContactCurve, Floats, Ints, RunWarning, SegmentContact, Surface
 from contactlab.api.arrays import Flags
 from contactlab.errors import SimulationFailure
-from contactlab.meshing.curves import facet_depths
+from contactlab.meshing.curves import facet_depths, nearest_segments
 from contactlab.meshing.turns import turns
 from contactlab.results.facets import cusps
 from contactlab.results.invariants import NO_STRAIN, ROUND, invariants
@@ -141,7 +141,9 @@ def _coarse_facets(model: Model, pair: ContactPair, curve: ContactCurve) -> Iter
     """How deep the facets of a curved pair are where it presses, against how far its surfaces came together there."""
     if pair.start_distance is not None or pair.smooth is not None:
         return  # what facets are deep by is no gap
-    if _few_between_open_ones(curve, _chains(pair, curve)):
+    chains = _chains(pair, curve)
+    stretches = list(_stretches(curve, chains))
+    if not stretches or _few_between_open_ones(curve, chains, stretches):
         return  # of a disc on a plane the mean pressure is right to 1 % with three nodes; see `_few_nodes`
     force = model.state["multipliers"][0, pair.own]
     pressed = np.flatnonzero(force.reshape(pair.rows_per_node, -1).max(axis=0) > 0.0).astype(np.int32)
@@ -149,7 +151,7 @@ def _coarse_facets(model: Model, pair: ContactPair, curve: ContactCurve) -> Iter
         return
     slave, master = pair.slave.nodes[pressed], pair.master.nodes
     nearest = _nearest(model.position[slave], model.position[master])[1]
-    if _facets_fit(pair, model.position, np.concatenate(list(_stretches(curve, _chains(pair, curve))))):
+    if _facets_fit(pair, model.position, np.concatenate(stretches)):
         return  # facets of one side lie on those of the other, however deep
     depth = max(
         float(_depths(pair, pair.slave, model.reference)[pressed].max()),
@@ -224,14 +226,14 @@ def _few_nodes(model: Model, pair: ContactPair, report: ContactReport) -> Iterat
 
 def _lean(model: Model, pair: ContactPair, force: Floats, place: Floats) -> float:
     """Part of a force (2,) [N] without friction that is along the master at a place (2,) where that is flat; else 0."""
-    begin, end = (model.position[pair.master.nodes[pair.master.segments[:, k]]] for k in range(2))
-    along, apart = end - begin, place - begin
-    foot = np.clip((apart * along).sum(axis=1) / (along**2).sum(axis=1), 0.0, 1.0)[:, None] * along
-    nearest = int(((apart - foot) ** 2).sum(axis=1).argmin())
-    bends = np.abs(turns(pair.master, model.position)[pair.master.segments[nearest]]).max()
-    if pair.friction is not None or bends > FLAT:
+    if pair.friction is not None:
         return 0.0
-    return float(abs(force @ along[nearest]) / (np.hypot(*along[nearest]) * max(np.hypot(*force), 1e-300)))
+    (nearest,), _ = nearest_segments(place[None], pair.master, model.position)
+    ends = pair.master.segments[nearest]
+    if np.abs(turns(pair.master, model.position)[ends]).max() > FLAT:
+        return 0.0
+    begin, end = model.position[pair.master.nodes[ends]]
+    return float(abs(force @ (end - begin)) / (np.hypot(*(end - begin)) * max(np.hypot(*force), 1e-300)))
 
 
 def _kept_gaps(model: Model, pairs: list[ContactPair], stored: float) -> Iterator[RunWarning]:
@@ -267,9 +269,9 @@ def _chains(pair: ContactPair, curve: ContactCurve) -> list[Ints]:
     return found
 
 
-def _few_between_open_ones(curve: ContactCurve, chains: list[Ints]) -> bool:
+def _few_between_open_ones(curve: ContactCurve, chains: list[Ints], stretches: list[Ints]) -> bool:
     """Whether nowhere more than `FEW` nodes in a row are pressed, or fewer apart, and one is open beside those."""
-    if any(len(stretch) > FEW for stretch in _stretches(curve, chains)):
+    if any(len(stretch) > FEW for stretch in stretches):
         return False
     ends = [chain[[0, -1]] for chain in chains if (curve.nodal_pressure[chain] > 0.0).any()]
     return any((curve.nodal_pressure[pair] <= 0.0).any() for pair in ends)

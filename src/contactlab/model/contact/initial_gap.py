@@ -125,7 +125,7 @@ def refuse_overlap(plan: Any, pair: Any, bodies: tuple[Body, ...], positions: Fl
 
 
 def _made_by_facets(pair: ContactPair, positions: Floats) -> Floats:
-    """What facets make of the distances (k,) [mm] between fitting curves, whose clearance is known at the nodes."""
+    """Part (k,) [mm] of the gaps that facets of fitting curves cause: gaps less the clearance of the curves."""
     slave, master = pair.slave, pair.master
     clearance = distances_to_curve(positions[slave.nodes], master, positions, positions)
     clearance[clearance < _uncertain(pair, master, positions)] = 0.0
