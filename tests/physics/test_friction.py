@@ -12,6 +12,7 @@ from contactlab_dynamics.gauss_seidel import solve_dense as solve
 from contactlab.api import Solve
 from contactlab.model.build import build
 from contactlab.parts.registry import default_registry
+from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene, load_scene
 from contactlab.testing.gap_rows import rows_from, turned
 
@@ -132,3 +133,40 @@ def test_tresca_bounds_the_shear_where_it_says(where: str) -> None:
         tangential = np.abs(model.state["multipliers"][1, pair.own])
         assert np.all(tangential <= 0.05 * pair.cover * (1.0 + 1e-12))
         assert (tangential.max() > 0.0) == rubs
+
+
+@pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-dual"])
+def test_like_blocks_that_are_pressed_straight_stick_without_a_force(algorithm: str) -> None:
+    """Plane strain, free sideways: E/(1 - nu^2) times the strain presses, and nothing slips."""
+    body = {"element": "q1", "material": "m"}
+    supports = [{"on": f"{name}.left", "ux": 0.0} for name in ("upper", "lower")]
+    scene = Scene.from_data(
+        {
+            "integrator": "newton",
+            "materials": {"m": {"use": "linear-elastic", "young": 1000.0, "poisson": 0.3, "density": 1000.0}},
+            "bodies": {
+                "upper": body | {"mesh": {"use": "rectangle", "x": [0.0, 2.0], "y": [0.0, 1.0], "cells": [4, 2]}},
+                "lower": body | {"mesh": {"use": "rectangle", "x": [0.0, 2.0], "y": [-1.0, 0.0], "cells": [6, 2]}},
+            },
+            "contacts": [
+                {
+                    "slave": "upper.bottom",
+                    "master": "lower.top",
+                    "algorithm": algorithm,
+                    "friction": {"use": "coulomb", "mu": 0.3},
+                }
+            ],
+            "supports": [
+                *supports,
+                {"on": "lower.bottom", "uy": 0.0},
+                {"on": "upper.top", "uy": {"ramp": "linear", "to": -0.001}},
+            ],
+            "record": {"recorders": []},
+        }
+    )
+    results = simulate(scene)
+    curve = results.contact["contacts.0"].last
+    assert results.status == "finished"
+    # strain of 5e-4 changes lengths, and pressures with them
+    np.testing.assert_allclose(curve.pressure, 1000.0 / (1.0 - 0.3**2) * 5e-4, rtol=1e-3)
+    assert np.abs(curve.shear).max() <= 1e-12 * curve.pressure.max()

@@ -14,6 +14,7 @@ from contactlab.meshing.curves import facet_depths, nearest_segments
 from contactlab.meshing.turns import turns
 from contactlab.results.facets import cusps
 from contactlab.results.invariants import NO_STRAIN, ROUND, invariants
+from contactlab.results.slips import slips_of
 from contactlab.results.strain_scale import energy_of_strain
 from contactlab.run.breaches import breach
 from contactlab.run.end_lengths import end_lengths
@@ -33,6 +34,7 @@ FEW_PAIRS = 250_000  # of points: comparing all takes some ms, importing a searc
 FEW = 6  # nodes: of a disc on a plane five or fewer press if its facets are as deep as FACETS of the approach
 PEAK = 0.1  # multipliers above nodal pressures: with 3 nodes in a Hertz contact 34 to 52 %, with 5 2 to 6 %
 LEAN, FLAT = 0.01, 1e-3  # of a force: what pressed nodes on a curve may be off by; rad: a flat side turns by less
+STUCK = 1e-8  # segments: the tolerance of sticking
 ENOUGH = 3  # pressed conditions: one or two in the middle of a symmetric pair may have no shear
 
 
@@ -119,12 +121,15 @@ def _judge_pressure(name: str, share: float, step: int) -> None:
 
 
 def _judge_friction(model: Model, pair: ContactPair) -> None:
-    """Friction that is declared and that enforcement or algorithm do not deliver: no tangential force at all."""
+    """Friction that is declared and that enforcement or algorithm do not deliver: surfaces slip without any force.
+
+    Like bodies that are pressed straight stick without a force, and do not slip.
+    """
     if pair.sliding is None or not pair.sliding.of(slice(None))[:2].any():
         return
     normal, tangential = model.state["multipliers"][:2, pair.own]
     pressed = int(np.count_nonzero(normal > 0.0))
-    if pressed >= ENOUGH and not np.any(tangential):
+    if pressed >= ENOUGH and not np.any(tangential) and np.any(_slips(model, pair)[normal > 0.0]):
         parts = f"{type(pair.method).__name__} and {type(model.contact.enforcement).__name__}"  # type: ignore[union-attr]
         raise SimulationFailure(
             "failed",
@@ -132,6 +137,15 @@ def _judge_friction(model: Model, pair: ContactPair) -> None:
             f"of {pressed} pressed conditions; take the contact's key friction out, or use an enforcement and an "
             "algorithm that deliver it",
         )
+
+
+def _slips(model: Model, pair: ContactPair) -> Floats:
+    """Slips (k,) [mm] of the last step; 0 where an iteration cannot tell them from sticking."""
+    conditions = getattr(model.contact, "conditions", None)
+    if conditions is None:
+        return slips_of(model)[pair.own]
+    slips: Floats = conditions.slip[pair.own]
+    return np.where(np.abs(slips) > STUCK * pair.size, slips, 0.0)
 
 
 # --- facets -----------------------------------------------------------------------------------------

@@ -76,6 +76,8 @@ def test_friction_that_nobody_delivers_is_an_error() -> None:
     pair = model.contact.pairs[0]  # type: ignore[union-attr]
     multipliers = model.state["multipliers"]
     multipliers[0] = 1.0
+    judgement._judge_friction(model, pair)  # like bodies that are pressed straight: no slip, no force
+    model.contact.conditions.slip[0] = 1e-3  # type: ignore[union-attr]
     with pytest.raises(SimulationFailure, match=r"friction is declared, and MortarP0 and \w+ gave no") as found:
         judgement._judge_friction(model, pair)
     assert found.value.status == "failed"
