@@ -14,7 +14,7 @@ from contactlab.api.compiled.unpack import unpack
 from contactlab.api.segments import SlavePoint
 from contactlab.api.tensors import Vector
 from contactlab.formulas.point_corners import find_corners, put_corners, stands_for
-from contactlab.formulas.point_pieces import ABSCISSAE, ALONE, EDGE, LEAVE, POINTS, foot, hold
+from contactlab.formulas.point_pieces import ABSCISSAE, ALONE, EDGE, LEAVE, POINTS, SHARP, faces, foot, hold, kink
 from contactlab.formulas.segment_kernels import PARAMETERS, trace
 from contactlab.formulas.segment_normals import inward_normals, node, turn_normals
 from contactlab.formulas.tables import Points
@@ -82,21 +82,24 @@ def gauss_point(t, s, xi):
 
 @section
 def _beyond(t, m, side, s):
-    """How far a point of slave segment s may project beyond an end (0 or 1) of master segment m, in lengths of m."""
+    """How far a point of slave segment s may project beyond an end (0 or 1) of master segment m, in lengths of m.
+
+    Beyond the end in a sharp valley it has sunk into the next segment.
+    """
     surface = t.sides.master
-    if surface.node_segments[surface.segments[m, side], side] >= 0:
-        return EDGE
+    other = surface.node_segments[surface.segments[m, side], side]
+    if other >= 0:
+        return LEAVE if POINTS == 0 and kink(t, other if side == 0 else m, m if side == 0 else other) < -SHARP else EDGE
     return LEAVE * min(1.0, t.slave_length[s] / t.master_length[m])
 
 
 @section
-def nearest_segment(t, x, s, last, best, reach, depth, p):
-    """The nearer of `best` (segment, eta, distance) and the segments near slave segment s that x projects onto."""
+def nearest_segment(t, x, q, s, last, best, reach, depth, p):
+    """The nearer of `best` (segment, eta, distance) and the segments near slave segment s that point q projects onto."""
     view, (found, share, nearest) = t.sides, best
     for z in range(view.near.start[s], view.near.start[s + 1]):
         m = view.near.master[z]
-        facing = -(x.normal.x * t.master_normal[m, 0] + x.normal.y * t.master_normal[m, 1])
-        if facing <= (FLANK if POINTS > 0 else 0.0):
+        if not faces(t, x, q, m, FLANK if POINTS > 0 else 0.0):
             continue
         gap, eta = foot(t, x, m, p)
         if gap > reach or gap < -depth:
@@ -149,7 +152,7 @@ def hold_nodes(t, reach, depth, p):
         best, before, last = (np.int64(-1), 0.0, np.inf), count, int(t.memory[0, i]) - 1
         for side in range(2):
             if view.slave.node_segments[i, side] >= 0:
-                best = nearest_segment(t, x, view.slave.node_segments[i, side], last, best, reach, depth, p)
+                best = nearest_segment(t, x, i, view.slave.node_segments[i, side], last, best, reach, depth, p)
         m, vertex = best[0], (np.int64(-1), np.inf)
         t.memory[0, i] = m + 1
         if m < 0:
@@ -171,7 +174,7 @@ def hold_gauss_points(t, reach, depth, p):
         i = view.slave.segments[s, 0]
         for g in range(len(ABSCISSAE)):
             x, last, q = gauss_point(t, s, ABSCISSAE[g]), int(t.memory[g, i]) - 1, s * POINTS + g
-            best, v = nearest_segment(t, x, s, last, (np.int64(-1), 0.0, np.inf), reach, depth, p), np.int64(-1)
+            best, v = nearest_segment(t, x, q, s, last, (np.int64(-1), 0.0, np.inf), reach, depth, p), np.int64(-1)
             t.memory[g, i] = best[0] + 1
             if best[0] < 0:
                 v = nearest_vertex(t, x, s, (np.int64(-1), np.inf), reach, p)[0]

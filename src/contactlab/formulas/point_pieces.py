@@ -139,26 +139,42 @@ def put_piece(t, count, q, slot, held):
 
 
 @section
-def _beside(t, start, end, s, own):
-    """The normal of the next quadratic edge in a valley, at the start (s = -1) or the end; `own` without one.
-
-    A node that presses in a valley goes to and fro between the normals of its flanks, however small the kink.
-    """
-    surface, at = t.sides.master, t.sides.at.master
-    other = surface.node_segments[start, 0] if s < 0.0 else surface.node_segments[end, 1]
-    if other < 0:
-        return own
-    edge = surface.segment_edge[other, 0]
-    a, b = node(at, surface.edges[edge, 0]), node(at, surface.edges[edge, 1])
-    found = parabola(a, b, node(at, surface.edges[edge, 2]), 1.0 if s < 0.0 else -1.0)[1].turned().unit()
-    return found if s * own.cross(found) < 0.0 else own
+def _end_normal(t, edge, s):
+    """The normal of a quadratic edge of the master at its start (s = -1) or its end."""
+    at, nodes = t.sides.at.master, t.sides.master.edges
+    return parabola(node(at, nodes[edge, 0]), node(at, nodes[edge, 1]), node(at, nodes[edge, 2]), s)[1].turned().unit()
 
 
 @section
-def put_on_parabola(t, count, x, q, m, s, p):
+def kink(t, first, second):
+    """The sine by which the master turns from one segment to the next, quadratic edges at the node between them."""
+    surface = t.sides.master
+    if surface.edges.shape[1] == 2:
+        return node(t.master_normal, first).cross(node(t.master_normal, second))
+    one, other = surface.segment_edge[first, 0], surface.segment_edge[second, 0]
+    return 0.0 if one == other else _end_normal(t, one, 1.0).cross(_end_normal(t, other, -1.0))
+
+
+@section
+def _beside(t, start, end, s, own):
+    """The normal of the next quadratic edge in a flat valley, at the start (s = -1) or the end; `own` without one.
+
+    A node that presses in a valley goes to and fro between the normals of its flanks, however small the kink; a sharp
+    one holds it with both.
+    """
+    surface = t.sides.master
+    other = surface.node_segments[start, 0] if s < 0.0 else surface.node_segments[end, 1]
+    if other < 0:
+        return own
+    found = _end_normal(t, surface.segment_edge[other, 0], 1.0 if s < 0.0 else -1.0)
+    return found if -SHARP < s * own.cross(found) < 0.0 else own
+
+
+@section
+def put_on_parabola(t, count, x, q, slot, m, s, p):
     """Write the piece of a point held by the quadratic edge of master segment m near s."""
     view, out = t.sides, t.out
-    put_slave(t, count, q, 0)
+    put_slave(t, count, q, slot)
     edge = view.master.segment_edge[m, 0]
     for i in range(3):
         out.master[count, i] = view.master.edges[edge, i]
@@ -190,6 +206,17 @@ def foot(t, x, m, p):
 
 
 @section
+def faces(t, x, q, m, least):
+    """Whether point q faces master segment m by more than the cosine `least`.
+
+    A node at a corner of the slave counts once for each flank: a segment is faced by the flank whose normal leads to it.
+    """
+    n = node(t.master_normal, m)
+    facing = -(x.normal @ n)
+    return facing > least and (POINTS > 0 or not -(node(t.outward, t.rival[q]) @ n) > facing)
+
+
+@section
 def _end_reached(t, m, share):
     """The vertex that a point sits on, -1 elsewhere: there neither segment's normal is better than the other's."""
     if share > AT_END and share < 1.0 - AT_END:
@@ -200,19 +227,19 @@ def _end_reached(t, m, share):
 
 
 @section
-def _second_side(t, x, m, reach, p):
+def _second_side(t, x, q, m, reach, p):
     """The neighbour that holds a node too, and eta there: it is in a sharp concave corner and projects onto both."""
     surface = t.sides.master
     for side in range(2):
         other = surface.node_segments[surface.segments[m, side], side]
-        if other < 0:
+        if other < 0 or not faces(t, x, q, other, 0.0):
             continue
         first, second = (m, other) if side == 1 else (other, m)
-        if node(t.master_normal, first).cross(node(t.master_normal, second)) > -SHARP:
+        if kink(t, first, second) > -SHARP:
             continue
         gap, along = foot(t, x, other, p)
-        if -EDGE <= along <= 1.0 + EDGE and abs(gap) <= reach:
-            return np.int64(other), along
+        if -LEAVE <= along <= 1.0 + LEAVE and abs(gap) <= reach:
+            return np.int64(other), min(1.0, max(0.0, along))
     return np.int64(-1), 0.0
 
 
@@ -235,8 +262,12 @@ def hold(t, count, x, q, nearest, v, reach, depth, p):
         edge = m if m >= 0 else np.int64(surface.node_segments[v, 1])
         if m >= 0 or surface.segment_edge[edge, 1] == 1:
             s = eta + surface.segment_edge[m, 1] - 1.0 if m >= 0 else 0.0
-            put_on_parabola(t, count, x, q, edge, s, p)
-            return count + 1
+            put_on_parabola(t, count, x, q, 0, edge, s, p)
+            other, along = _second_side(t, x, q, edge, reach, p) if POINTS == 0 and m >= 0 else (np.int64(-1), 0.0)
+            if other < 0:
+                return count + 1
+            put_on_parabola(t, count + 1, x, q, 1, other, along + surface.segment_edge[other, 1] - 1.0, p)
+            return count + 2
     elif m >= 0:
         v = _end_reached(t, m, eta)
     number, first = 1, _of_segment(t, max(m, 0), eta)
@@ -244,9 +275,9 @@ def hold(t, count, x, q, nearest, v, reach, depth, p):
     if v >= 0:
         before, after = surface.node_segments[v, 0], surface.node_segments[v, 1]
         one, other = node(t.master_normal, before), node(t.master_normal, after)
-        if POINTS == 0 and -one.cross(other) > SHARP:
+        if POINTS == 0 and -one.cross(other) > SHARP and (m < 0 or t.rival[q] == q):
             number, first, second = 2, _of_segment(t, before, 1.0), _of_segment(t, after, 0.0)
-        else:
+        elif not (POINTS == 0 and -one.cross(other) > SHARP):
             between = x.at - node(t.sides.at.master, v)
             if between @ (one + other) < 0.0 and between.length() > depth:
                 return count
@@ -255,7 +286,7 @@ def hold(t, count, x, q, nearest, v, reach, depth, p):
                 normal = between.unit()
             first = np.int64(after), 0.0, np.int64(-1 - v), normal.x, normal.y
     elif POINTS == 0:
-        other, along = _second_side(t, x, m, reach, p)
+        other, along = _second_side(t, x, q, m, reach, p)
         if other >= 0:
             number, second = 2, _of_segment(t, other, along)
     for slot in range(number):

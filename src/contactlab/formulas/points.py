@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.api import ContactView, Floats, GapGradients, PieceDerivatives, Pieces, PointContact
+from contactlab.api import ContactView, Floats, GapGradients, Ints, PieceDerivatives, Pieces, PointContact, Surface
 from contactlab.api.compiled.bound_arrays import BoundCache
 from contactlab.api.compiled.formulas import Slot
 from contactlab.formulas import point_derivatives as changes
@@ -40,13 +40,23 @@ class _Kernels(ClassKernels):
 _of_class = cache(_Kernels)
 
 
+def rivals(surface: Surface) -> Ints:
+    """For each node (m,) of a side its number on the other flank, where a corner splits it, else its own."""
+    found = np.arange(len(surface.nodes), dtype=np.int32)
+    order = np.argsort(surface.nodes, kind="stable")
+    one, other = order[:-1], order[1:]
+    same = surface.nodes[one] == surface.nodes[other]
+    found[one[same]], found[other[same]] = other[same], one[same]
+    return found
+
+
 def _points(view: ContactView, out: Pieces, part: PointContact) -> tuple[Any, ...]:
     """The arrays of a `Points`."""
     nodes, others = len(view.slave.nodes), len(view.master.nodes)
     own, other = ((np.empty((s, 2)), np.empty(s)) for s in (len(view.slave.segments), len(view.master.segments)))
     return (
         *arrays_of(view, out, part), view.memory, *own, *other, np.empty((nodes, 2)), np.empty(nodes),
-        np.empty(nodes, np.bool_), np.empty(nodes, np.int32), np.empty(others, np.int32), np.empty(others), np.empty(2),
+        rivals(view.slave), np.empty(nodes, np.bool_), np.empty(nodes, np.int32), np.empty(others, np.int32), np.empty(others), np.empty(2),
     )  # fmt: skip
 
 

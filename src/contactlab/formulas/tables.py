@@ -68,6 +68,7 @@ class Points(NamedTuple):
     master_normal, master_length  of master segments
     outward    (m, 2) averaged normals of slave nodes
     tributary  (m,) [mm] the length of slave surface that each node stands for
+    rival      (m,) the same node on the other flank of a corner of the slave, elsewhere the slave node itself
     taken      (m,) whether a slave node has two conditions of its own
     carried    (m,) the corner whose condition a slave node carries plus one, 0 for none
     corner_on, corner_share  (l,) the slave segment that each corner of the master presses on, -1 for none; where on it
@@ -84,6 +85,7 @@ class Points(NamedTuple):
     master_length: Floats1
     outward: Floats2
     tributary: Floats1
+    rival: Ints1
     taken: Flags1
     carried: Ints1
     corner_on: Ints1

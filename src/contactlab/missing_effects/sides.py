@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contactlab.api import Floats, Ints, Potential, RunWarning, Surface
+from contactlab.meshing.curves import nearest_segments
 from contactlab.missing_effects.missing_effect import Detectors, needed
 from contactlab.model.bodies.body import Body
 from contactlab.model.model import Model
@@ -18,8 +19,8 @@ if TYPE_CHECKING:
 STIFFER = 12.0  # ratio of shear moduli: steel on a polymer, not steel on aluminium
 COARSER = 2.0  # ratio of segment lengths where the surfaces press
 ROUGHER = 2.0  # ratio of the turns from segment to segment there, from which the other side knows the normal
-LEAN = 0.01  # sine of the angle between forces and that normal: at mu = 0.2 friction is off by 5 %
-FRICTIONLESS = 0.14  # the same, if forces that lean to and fro hold nothing back: their normal part is off by 1 %
+LEAN = 0.01  # sine of the angle from that normal along friction, or to one side: at mu = 0.2 friction is off by 5 %
+TO_AND_FRO = 0.14  # the same of forces that lean to and fro and hold nothing back: their normal part is off by 1 %
 
 
 def side_detectors(scene: Scene, model: Model) -> Detectors:
@@ -48,18 +49,20 @@ class WrongSide:
 
     worst  largest median ratio of slave to master segments where they press; the sum of the forces of all frames, and
            of forces times the squared sine of their lean against the smoother side, as they act and as the rougher
-           side's normals would have them act; and the sum of forces times the sine of their lean against the slave
-           where both sides are as smooth: nodes that slid off convex vertices of the master, all to one side
+           side's normals would have them act; and the sums of forces times the sine of their lean: against the slave
+           where both sides are as smooth (nodes that slid off convex vertices of the master, all to one side), and
+           against the smoother side in the direction of friction
     """
 
     def __init__(self, pair: Any, spec: Contact, model: Model, stiffness: float) -> None:
         self.pair, self.spec, self.model, self.stiffness = pair, spec, model, stiffness
-        self.worst = np.zeros(6)
+        self.worst = np.zeros(7)
 
     def update(self) -> None:
         """Take in segment lengths and normals at the slave nodes that are pressed now."""
         pair, position = self.pair, self.model.position
-        forces = self.model.state["multipliers"][0, pair.own]
+        multipliers = self.model.state["multipliers"][:, pair.own]
+        forces, shear = multipliers[0], np.sign(multipliers[1:].sum(axis=0))
         slots = np.flatnonzero(forces > 0.0)
         if not len(slots):
             return
@@ -67,15 +70,16 @@ class WrongSide:
         slave, master = position[pair.slave.nodes], position[pair.master.nodes]
         at = slave[np.unique(nodes)]
         own, other = pair.slave.lengths(slave), pair.master.lengths(master)
-        ratio = own[_nearest(at, slave, pair.slave)] / other[_nearest(at, master, pair.master)]
+        faced, _ = nearest_segments(at, pair.master, position)
+        ratio = own[nearest_segments(at, pair.slave, position)[0]] / other[faced]
         self.worst[0] = max(self.worst[0], float(np.median(ratio)))
-        found = _nearest(slave[nodes], master, pair.master)
-        self._add_leans(forces[slots], pair.normals[slots], nodes, found, slave, master)
+        self._add_leans(forces[slots], shear[slots], pair.normals[slots], nodes, slave, master)
 
     def _add_leans(
-        self, forces: Floats, normals: Floats, nodes: Ints, found: Ints, slave: Floats, master: Floats
+        self, forces: Floats, shear: Floats, normals: Floats, nodes: Ints, slave: Floats, master: Floats
     ) -> None:
         pair = self.pair
+        found, share = nearest_segments(slave[nodes], pair.master, self.model.position)
         turns = _turns(slave, pair.slave)[nodes], _turns(master, pair.master)[pair.master.segments[found]].max(axis=1)
         rough = [float(forces @ turn) for turn in turns]
         own = -_nodal_normals(slave, pair.slave)[nodes]
@@ -84,11 +88,14 @@ class WrongSide:
             self.worst[5] += forces @ _cross(normals, own)
             self.worst[1] += forces.sum()
             return
-        other = _segment_normals(master, pair.master)[found]
-        right, wrong = (other, own) if rough[0] > rough[1] else (own, other)
+        smooth_master, by_master = rough[0] > rough[1], getattr(pair.method, "points", None) == 0
+        if smooth_master:
+            right, wrong = _between(_nodal_normals(master, pair.master), pair.master.segments[found], share), own
+        else:
+            right, wrong = own, _segment_normals(master, pair.master)[found]
         lean, other_lean = (float(forces @ _cross(normal, right) ** 2) for normal in (normals, wrong))
-        along = other if getattr(pair.method, "points", None) == 0 else own
-        self.worst[1:5] += forces.sum(), lean, other_lean, other_lean if along is right else 0.0
+        self.worst[1:5] += forces.sum(), lean, other_lean, other_lean if smooth_master == by_master else 0.0
+        self.worst[6] += (forces * shear) @ _cross(normals, right)
 
     def warning(self) -> RunWarning | None:
         """Advise the other side as slave if forces lean, or if that side is softer or finer and no force would lean.
@@ -96,13 +103,15 @@ class WrongSide:
         Stiffness and coarseness count for methods that fail the patch test: on finished cells of the quick matrix these
         alarms are right for 6 of 6 such runs, and for none of 13 mortars, whose errors do not depend on the side.
         """
-        coarseness, force, *squares, aside = (float(number) for number in self.worst)
-        lean, other_lean, exchanged = np.sqrt(np.array(squares) / max(force, np.finfo(float).tiny))
-        limit = LEAN if self.spec.friction else FRICTIONLESS
-        if lean > max(limit, exchanged):  # so that the exchanged contact does not get the advice to exchange back
-            seen = f"normals of facets lean by {np.degrees(lean):.2g} degrees against the smoother side"
-            return self._swap(float(lean), limit, f"{seen}, and forces with them", "its normals are better known")
-        if (aside := abs(aside) / max(force, np.finfo(float).tiny)) > LEAN:
+        coarseness, force = float(self.worst[0]), max(float(self.worst[1]), np.finfo(float).tiny)
+        lean, other_lean, exchanged = (float(mean) for mean in np.sqrt(self.worst[2:5] / force))
+        aside, dragged = (float(mean) for mean in np.abs(self.worst[5:]) / force)
+        value, limit = (dragged, LEAN) if dragged > LEAN else (lean, TO_AND_FRO)
+        # beyond `exchanged`: the exchanged contact does not get the advice to exchange back
+        if value > limit and lean > exchanged:
+            seen = f"normals of facets lean by {np.degrees(value):.2g} degrees against the smoother side"
+            return self._swap(value, limit, f"{seen}, and forces with them", "its normals are better known")
+        if aside > LEAN:
             seen = f"normals of facets lean by {np.degrees(aside):.2g} degrees to one side, and forces with them"
             return self._swap(aside, LEAN, seen, "slave nodes stand beside vertices of the master, where it turns")
         if other_lean > LEAN or self.pair.method.passes_patch_test:
@@ -123,11 +132,11 @@ class WrongSide:
         return needed("other-slave", value, limit, f"{name}.swap", told, add)
 
 
-def _nearest(points: Floats, position: Floats, surface: Surface) -> Ints:
-    """The segment of a surface whose middle is nearest to each point."""
-    middle = position[surface.segments].mean(axis=1)
-    square = ((points[:, None] - middle[None]) ** 2).sum(axis=2)
-    return np.asarray(square.argmin(axis=1))
+def _between(normals: Floats, ends: Ints, share: Floats) -> Floats:
+    """Normals (n, 2) of a smooth surface between those at the `ends` (n, 2) of segments."""
+    share = np.clip(share, 0.0, 1.0)[:, None]
+    found = (1.0 - share) * normals[ends[:, 0]] + share * normals[ends[:, 1]]
+    return np.asarray(found / np.hypot(*found.T)[:, None])
 
 
 def _segment_normals(position: Floats, surface: Surface) -> Floats:

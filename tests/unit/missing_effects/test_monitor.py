@@ -154,10 +154,11 @@ def test_mortars_are_not_advised_on_the_side_of_the_slave() -> None:
     assert "other-slave" not in [warning.code for warning in warnings_of(with_stiff_slave("mortar-p0"))]
 
 
-def test_potentials_are_not_advised_on_the_side_of_the_slave() -> None:
-    """Facets of an arc lean, and this algorithm's forces are the same with either side as slave.
+@pytest.mark.parametrize("algorithm", ["mortar-p1", "midplane"])
+def test_facets_of_an_arc_lean_to_and_fro(algorithm: str) -> None:
+    """That takes less than 1 % of the force along the normal, and friction is no better with the other slave.
 
-    Without friction their lean to and fro of some degrees takes less than 1 % of the force along the normal.
+    Shear on mu p here: 1.25 on this mesh, 1.73 with the sides exchanged, 1.1 N/mm on a mesh of a quarter of its size.
     """
     arc = {"use": "ring", "radii": [0.3, 1.0], "angles": [180.0, 360.0], "cells": [16, 5]}
     pushed = {"ux": 0.0, "uy": {"ramp": "linear", "to": -0.05}}
@@ -168,16 +169,10 @@ def test_potentials_are_not_advised_on_the_side_of_the_slave() -> None:
         "low": body((-1.0, 0.0), (14, 6), (-1.0, 1.0)),
         "high": {"element": "q1", "material": "m", "mesh": arc, "shift": [0.0, 1.0]},
     }
-    for algorithm, friction, advised in (
-        ("mortar-p1", True, True),
-        ("mortar-p1", False, False),
-        ("midplane", True, False),
-    ):
-        contact: dict[str, Any] = {"slave": "high.outer", "master": "low.top", "algorithm": algorithm}
-        if friction:
-            contact["friction"] = {"use": "coulomb", "mu": 0.2}
-        found = [warning.code for warning in warnings_of(scene | {"contacts": [contact]})]
-        assert ("other-slave" in found) == advised, (algorithm, friction)
+    contact = {"slave": "high.outer", "master": "low.top", "algorithm": algorithm}
+    for friction in ({}, {"friction": {"use": "coulomb", "mu": 0.2}}):
+        found = [warning.code for warning in warnings_of(scene | {"contacts": [contact | friction]})]
+        assert "other-slave" not in found, friction
 
 
 @pytest.mark.parametrize("leaning", [0.0, 0.2, 0.5, 0.8, 1.0])
@@ -188,7 +183,7 @@ def test_no_contact_is_advised_to_exchange_its_sides_both_ways(leaning: float) -
         pair = SimpleNamespace(name="contacts.0", method=SimpleNamespace(passes_patch_test=True))
         spec = SimpleNamespace(name=None, swap=False, friction=object())
         detector = WrongSide(pair, cast(Any, spec), cast(Any, None), 1.0)
-        detector.worst[1:5] = 1.0, share * 0.1, 0.1, (1.0 - share) * 0.1
+        detector.worst[1:] = 1.0, share * 0.1, 0.1, (1.0 - share) * 0.1, 0.0, share * 0.1
         advised.append(detector.warning() is not None)
     assert not all(advised)
     assert any(advised) == (leaning != 0.5)
