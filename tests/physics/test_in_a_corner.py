@@ -8,6 +8,7 @@ import pytest
 import contactlab
 from contactlab.scene.scene import Scene
 
+
 @pytest.mark.parametrize("turn", [0.0, 20.0])
 @pytest.mark.parametrize(
     ("algorithm", "element"), [("node-on-segment", "q1"), ("node-on-segment", "q2"), ("mortar-p1", "q2")]

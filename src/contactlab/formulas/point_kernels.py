@@ -95,7 +95,7 @@ def _beyond(t, m, side, s):
 
 @section
 def nearest_segment(t, x, q, s, last, best, reach, depth, p):
-    """The nearer of `best` (segment, eta, distance) and the segments near slave segment s that point q projects onto."""
+    """The nearer of `best` (segment, eta, distance) and what point q projects onto near slave segment s."""
     view, (found, share, nearest) = t.sides, best
     for z in range(view.near.start[s], view.near.start[s + 1]):
         m = view.near.master[z]

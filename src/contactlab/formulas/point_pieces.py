@@ -209,7 +209,7 @@ def foot(t, x, m, p):
 def faces(t, x, q, m, least):
     """Whether point q faces master segment m by more than the cosine `least`.
 
-    A node at a corner of the slave counts once for each flank: a segment is faced by the flank whose normal leads to it.
+    A node at a corner of the slave counts once for each flank: the flank whose normal leads to a segment faces it.
     """
     n = node(t.master_normal, m)
     facing = -(x.normal @ n)

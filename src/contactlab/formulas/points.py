@@ -56,7 +56,8 @@ def _points(view: ContactView, out: Pieces, part: PointContact) -> tuple[Any, ..
     own, other = ((np.empty((s, 2)), np.empty(s)) for s in (len(view.slave.segments), len(view.master.segments)))
     return (
         *arrays_of(view, out, part), view.memory, *own, *other, np.empty((nodes, 2)), np.empty(nodes),
-        rivals(view.slave), np.empty(nodes, np.bool_), np.empty(nodes, np.int32), np.empty(others, np.int32), np.empty(others), np.empty(2),
+        rivals(view.slave), np.empty(nodes, np.bool_), np.empty(nodes, np.int32), np.empty(others, np.int32),
+        np.empty(others), np.empty(2),
     )  # fmt: skip
 
 
