@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contactlab.api import WORK, RunWarning, Step
-from contactlab.kernels.contact.factored_rows import FAR
 from contactlab.missing_effects.missing_effect import Detectors, needed, per_cent
 from contactlab.model.model import Model
 from contactlab.results.invariants import NO_STRAIN
@@ -41,9 +40,10 @@ class EarlyContact:
         state = self.model.state
         works = np.zeros(len(self.pairs))
         for number, pair in enumerate(self.pairs):
-            gaps = np.where(pair.gaps[:, 0] < FAR, pair.gaps[:, 0] - pair.opened, 0.0)
+            forces = state["multipliers"][0, pair.own]
+            pressed = forces > 0.0
             if pair.clearance > 0.0:
-                works[number] = state["multipliers"][0, pair.own] @ np.maximum(gaps, 0.0)
+                works[number] = forces[pressed] @ np.maximum(pair.gaps[pressed, 0] - pair.opened, 0.0)
         if works.sum() > self.worst[0]:
             self.worst[:2] = works.sum(), works.argmax()
         energy = abs(float(state["work"][INTERNAL]))
