@@ -1,4 +1,4 @@
-"""Contact pressures as they are shown: multipliers, which are no tension where nodes are open."""
+"""Contact tractions as they are shown: multipliers, which are no tension or shear where nodes are open."""
 
 from __future__ import annotations
 
@@ -16,6 +16,11 @@ APART = 1.1  # largest multiplier over largest nodal pressure: beyond it the mes
 def shown_pressure(curve: ContactCurve) -> Floats:
     """Multipliers (m,) of closed nodes; open ones have none, whatever value balances their neighbours."""
     return np.where(curve.state == 0, curve.nodal_pressure, curve.pressure)
+
+
+def shown_shear(curve: ContactCurve) -> Floats:
+    """Multipliers (m,) of closed nodes, 0 elsewhere."""
+    return np.where(curve.state == 0, 0.0, curve.shear)
 
 
 def other_peak(contact: Mapping[str, Any]) -> float | None:

@@ -150,8 +150,10 @@ class Gathered:
         curves = [instant.curves[name] for instant in self.instants]
         columns = ("x", "y", "pressure", "shear", "gap", "state")
         found = {column: np.array([getattr(curve, column) for curve in curves]) for column in columns}
-        # multipliers of open nodes balance their neighbours and are no pressure
-        found["pressure"] = np.where(found["state"] > 0, found["pressure"], [curve.nodal_pressure for curve in curves])
+        # multipliers of open nodes balance their neighbours and are no traction
+        closed = found["state"] > 0
+        found["pressure"] = np.where(closed, found["pressure"], [curve.nodal_pressure for curve in curves])
+        found["shear"] = np.where(closed, found["shear"], 0.0)
         return Surface(curves[0].s, curves[0].chain, **found)
 
     def _instant(self, frame: Frame) -> Instant:

@@ -16,7 +16,7 @@ from contactlab.reports.figures import FAINT, MUTED, house_style
 from contactlab.reports.notebook.canvas import canvas, with_unit
 from contactlab.results.force_curve import ForceCurve, force_curve
 from contactlab.results.results import Results
-from contactlab.results.shown_pressure import shown_pressure
+from contactlab.results.shown_pressure import shown_pressure, shown_shear
 
 DASHED = (0, (4, 1.5))
 NOT_IN_EQUILIBRIUM = "dynamic: only the final state is in equilibrium (time.history = true gives a curve)"
@@ -33,7 +33,7 @@ def curve_figure(curve: ContactCurve, units: str = "", ax: Axes | None = None, t
             label = number == curve.chain.min()
             _line(axes, curve.s[here], shown_pressure(curve)[here], 0, "pressure" if label else "")
             if np.any(curve.shear != 0.0):
-                _line(axes, curve.s[here], curve.shear[here], 1, "shear" if label else "")
+                _line(axes, curve.s[here], shown_shear(curve)[here], 1, "shear" if label else "")
         still = curve.state == 0
         if still.any():
             axes.plot(curve.s[still], shown_pressure(curve)[still], "o", color=REFERENCE, markersize=3.2, label="open")
