@@ -60,10 +60,11 @@ def draw(table: Table) -> dict[str, Figure]:
 def page(table: Table, figures: dict[str, Figure]) -> str:
     """The report as one HTML text that needs no other file."""
     chosen = styles(row.algorithm for row in table.rows)
+    pressure = _PRESSURE if table.reference is None else _PRESSURE + _PRESSURE_REFERENCE
     sections = [
         _head(table),
         _cards(table, chosen),
-        figure_section(figures, "pressure", "Contact pressure", _MAP if is_map(table) else _PRESSURE),
+        figure_section(figures, "pressure", "Contact pressure", _MAP if is_map(table) else pressure),
         section("All runs", _runs(table) + _notes(table)),
         figure_section(figures, "force", "Force against displacement", _FORCE, narrow=True),
         figure_section(figures, "error-against-cost", "What accuracy costs", _COST, narrow=True),
@@ -79,10 +80,10 @@ def page(table: Table, figures: dict[str, Figure]) -> str:
 
 
 _PRESSURE = (
-    "Grey: the reference. Markers are the nodal values of the multiplier, joined by their linear interpolant, over the "
-    "deformed position. A dashed line belongs to a run that did not finish; its last frame is shown. "
-    "The errors are relative L2 distances from the reference."
+    "Markers are the nodal values of the multiplier, joined by their linear interpolant, over the deformed position. "
+    "A dashed line belongs to a run that did not finish; its last frame is shown."
 )
+_PRESSURE_REFERENCE = " Grey: the reference; errors are relative L2 distances from it."
 _FORCE = (
     "A line per run, along the motion of the driven support: a positive force resists it. Colours are algorithms, line "
     "styles all other choices. Thin lines: dynamic runs, whose final state alone is in equilibrium."

@@ -81,7 +81,7 @@ def fitting_reference(
     found = matching_reference(scene, registry)
     if found is not None:
         return found, ""
-    return None, f"{named.name} does not hold: {named.mismatch(scene)}" if named else "no reference fits this scene"
+    return None, f"{named.name} does not apply: {named.mismatch(scene)}" if named else "no reference fits this scene"
 
 
 def _pair_measures(pair: Sequence[Row]) -> dict[str, float]:

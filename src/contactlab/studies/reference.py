@@ -83,7 +83,7 @@ class Reference:
         for key, wanted in self.holds_for.items():
             found = value_at(scene, key)
             if not _agree(found, wanted):
-                return f"{key} is {_shown(found)}, the reference is for {_shown(wanted)}"
+                return f"{key} is {_shown(found)}, {_shown(wanted)} in the reference"
         if self.level is not None and scene.get("level", 1) >= self.level:
             return f"it is made of runs at level {self.level}, and tells nothing of others on meshes as fine as that"
         return ""
