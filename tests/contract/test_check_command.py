@@ -4,26 +4,17 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar
 
-import numpy as np
 import pytest
 
-from contactlab.api import Effect, EffectView, Floats
-from contactlab.api.plugin import Part
 from contactlab.cli import main
 from contactlab.commands.new_plugin import plugin_files
 from contactlab.errors import RequestError
-from contactlab.parts.registry import Registry, default_registry
-from contactlab.testing import run_check
+from contactlab.parts.registry import default_registry
 from contactlab.testing.card import as_data
 from contactlab.testing.check_part import check_part
 from contactlab.testing.find import subjects
-from contactlab.testing.scenarios import invariance
-from contactlab.testing.subject import Subject
 
 OUTSIDE = Path(__file__).parents[1] / "outside" / "closest-point"
 SLIP = '''
@@ -135,30 +126,6 @@ def test_a_generated_effect_moves_and_turns_with_its_scene(tmp_path: Path) -> No
     assert [outcome.status for outcome in report.outcomes] == ["passed"] * 4, report.outcomes
 
 
-@dataclass(frozen=True)
-class Turning(Effect):
-    """Centrifugal forces about a centre that it does not declare."""
-
-    speed: float = 1000.0
-    centre: tuple[float, float] = (0.0, 0.0)
-    needs_mass: ClassVar[bool] = True
-
-    def bind(self, view: EffectView) -> Callable[[float, Floats], None]:
-        def add(time: float, force: Floats) -> None:
-            x = view.reference + view.displacement - np.array(self.centre)
-            force += view.mass[:, None] * self.speed**2 * x
-
-        return add
-
-
-def test_a_point_that_is_not_declared_fails_where_the_scene_is_moved() -> None:
-    part = Part("effect", "turning", f"{__name__}:Turning", "centrifugal forces")
-    subject = Subject(Registry(classes=[(part, Turning)]), "effect", "turning")
-    outcome = run_check(invariance.the_frame_does_not_matter, subject)
-    assert outcome.status == "failed"
-    assert "shifted" in outcome.reason
-
-
 def test_a_folder_and_a_distribution_mean_all_their_parts(tmp_path: Path) -> None:
     file_with(tmp_path, "first_slip", 0.0)
     file_with(tmp_path, "second_slip", 0.0)
@@ -222,11 +189,6 @@ def test_what_a_usual_package_would_bring_is_told(
         assert "pip install contactlab-cases" in capsys.readouterr().err
     finally:
         default_registry.cache_clear()
-
-
-def test_units_of_costs_are_shown(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["check", "penalty"]) == 0
-    assert "CPU time [us]" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

@@ -8,23 +8,26 @@ from typing import Any
 
 import numpy as np
 import pytest
+from from_source import subject_of
 
 from contactlab import load_scene, simulate
 from contactlab.api import Step
 from contactlab.cli import main
 from contactlab.errors import SimulationFailure
 from contactlab.model.build import build
-from contactlab.parts.registry import Registry
 
-REGISTRY = Registry(files=[Path(__file__).with_name("leapfrog.py")])
+PLAIN = "integrator outside plain-leapfrog/src/plain_leapfrog/integrator.py:PlainLeapfrog"
 SMALL: dict[str, Any] = {
     "bodies.disc.mesh.cells": [8, 2], "bodies.block.mesh.cells": [12, 2], "time.end": 3e-6, "record.frames": 3,
     "record.recorders": [],
 }  # fmt: skip
 
 
-def run(changes: dict[str, Any], integrator: Any) -> Any:
-    scene = load_scene("disc-on-block", registry=REGISTRY)
+def run(changes: dict[str, Any], folder: Path, *pieces: str, shipped: bool = False) -> Any:
+    """By the outside leapfrog with pieces of its source exchanged, or by the shipped one."""
+    registry = subject_of(PLAIN, folder, pieces).registry
+    integrator = "central-difference" if shipped else "strange"
+    scene = load_scene("disc-on-block", registry=registry)
     return simulate(scene.with_({**SMALL, **changes, "integrator": integrator}))
 
 
@@ -37,9 +40,9 @@ def run(changes: dict[str, Any], integrator: Any) -> Any:
     ],
     ids=["mortar", "friction", "rate"],
 )
-def test_a_leapfrog_in_numpy_runs_like_the_shipped_one(changes: dict[str, Any]) -> None:
-    frozen = {"contacts.0.enforcement": {"use": "forward-increment", "forces": "frozen"}}
-    own, shipped = (run(changes | frozen, use) for use in ("numpy-leapfrog", "central-difference"))
+def test_a_leapfrog_in_numpy_runs_like_the_shipped_one(changes: dict[str, Any], tmp_path: Path) -> None:
+    changes = changes | {"contacts.0.enforcement": {"use": "forward-increment", "forces": "frozen"}}
+    own, shipped = (run(changes, tmp_path, shipped=shipped) for shipped in (False, True))
     assert own.status == shipped.status == "finished", own.reason
     assert own.summary["steps"] == shipped.summary["steps"] > 100
     assert shipped.history["contacts.0.max_pressure"][-1] > 0.0
@@ -54,20 +57,28 @@ def test_a_leapfrog_in_numpy_runs_like_the_shipped_one(changes: dict[str, Any]) 
     assert own.summary["reactions"].keys() == shipped.summary["reactions"].keys()
 
 
+END = "return Step(work, reaction)"
+
+
 @pytest.mark.parametrize(
-    ("flaw", "words"),
+    ("old", "new", "words"),
     [
-        ("keeps the clock", "step 1: Leapfrog: its step wrote the clock, which is the core's"),
-        ("gives nothing", "step 1: Leapfrog: its step gave NoneType, needed: Step"),
-        ("no work", "step 1: Leapfrog: its step was accepted and gave no work, needed: Step(work=...)"),
-        ("half a ledger", "Leapfrog: its step gave work of shape (5,), needed: (7,)"),
-        ("no reaction", "step 1: Leapfrog: its step was accepted and gave no reaction, needed: Step(reaction=...)"),
-        ("gives up", "step 0: the shortest step failed"),
-        ("contact moves and leaves velocities", "contact pushes without limit"),
+        (END, f'self.state["clock"][:2] += dt, 1.0\n        {END}', "step 1: PlainLeapfrog: its step wrote the clock"),
+        (END, "return None", "step 1: PlainLeapfrog: its step gave NoneType, needed: Step"),
+        (END, "return Step(None, reaction)", "its step was accepted and gave no work, needed: Step(work=...)"),
+        (END, "return Step(work[:5], reaction)", "PlainLeapfrog: its step gave work of shape (5,), needed: (7,)"),
+        (END, "return Step(work, None)", "its step was accepted and gave no reaction, needed: Step(reaction=...)"),
+        (END, "return Step(work, reaction, StepStatus.gave_up)", "step 0: the shortest step failed"),
+        (
+            "v += compliance * force / dt",
+            'state["displacement"][:] += compliance * force',
+            "contact pushes without limit",
+        ),
     ],
 )
-def test_what_breaks_the_contract_ends_the_run_by_name(flaw: str, words: str) -> None:
-    ended = run({"contacts.0.algorithm": "mortar-p1"}, {"use": "numpy-leapfrog", "flaw": flaw})
+def test_what_breaks_the_contract_ends_the_run_by_name(old: str, new: str, words: str, tmp_path: Path) -> None:
+    pieces = old, new, "State, Step\n", "State, Step, StepStatus\n"
+    ended = run({"contacts.0.algorithm": "mortar-p1"}, tmp_path, *pieces)
     assert ended.status in ("failed", "diverged")
     assert words in ended.reason
 

@@ -18,8 +18,19 @@ def installed() -> list[tuple[str, str]]:
     return [(kind, name) for kind in KINDS for name in registry.names(kind)]
 
 
+LONG = {
+    ("implicit-dynamics", "contact_makes_no_energy"), ("implicit-dynamics", "energy_is_bounded"),
+    ("implicit-dynamics", "friction_takes_the_energy_of_what_slides"),
+}  # fmt: skip
+"""Thousands of steps that iterate."""
+
+
+def tier(name: str, check: Check) -> tuple[Any, ...]:
+    return (pytest.mark.full,) if (name, check.__name__) in LONG else ()
+
+
 CASES = [
-    pytest.param(kind, name, check, id=f"{kind}-{name}-{check.__name__}")
+    pytest.param(kind, name, check, id=f"{kind}-{name}-{check.__name__}", marks=tier(name, check))
     for kind, name in installed()
     for check in checks_for(kind, default_registry().part_class(kind, name))
 ]

@@ -2,71 +2,26 @@
 
 from __future__ import annotations
 
-import itertools
-import re
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pytest
-from planted import NOT_CAUGHT, PLANTED
-from plugin_page import FILES
+from from_source import changed, changes_of, source_of, subject_of
+from planted import CATCHES, NOT_CAUGHT, PLANTED
 
-from contactlab.parts.registry import Registry
+from contactlab.api import Potential
+from contactlab.api.part import KINDS
+from contactlab.testing import checks_for, friction, integrator, run_check
+from contactlab.testing.assertions import Check
 from contactlab.testing.check_part import PartReport, check_part
-from contactlab.testing.subject import Subject
 
-NUMBER = itertools.count()
 HERE = Path(__file__).parent
-TEMPLATES = HERE.parents[1] / "src" / "contactlab" / "data" / "new_plugin"
-HOOK = """
-
-from contactlab.api.plugin import Part as _Part, hookimpl as _hookimpl
-
-
-@_hookimpl
-def contactlab_parts():
-    return [_Part("{kind}", "{name}", "{module}:{cls}", "of a stranger")]
-"""
 RIGHT = sorted(path.stem for path in (HERE / "right_parts").glob("*.py"))
 QUICK = ("function", "mesh", "measure", "reference", "recorder", "case")
 """Kinds whose checks take a few hundredths of a second."""
-EVERY = 5  # of the defects of quick kinds in the default tier
-
-
-def source_of(base: str) -> tuple[str, str, str]:
-    """Kind, class and source of a part: "right NAME", "template KIND/FILE", or "KIND outside (or page) PATH:CLASS"."""
-    words = base.split()
-    if words[0] == "right":
-        text = (HERE / "right_parts" / f"{words[1]}.py").read_text(encoding="utf-8")
-        found = re.match(r"# kind (\w+) cls (\w+)\n", text)
-        assert found
-        return found[1], found[2], text
-    if words[0] == "template":
-        kind, _, file = words[1].partition("/")
-        text = (TEMPLATES / kind / f"{file or 'part'}.py.template").read_text(encoding="utf-8")
-        return kind, "Mine", text.replace("$class_name", "Mine").replace("$name", "mine").replace("$$", "$")
-    path, _, cls = words[2].partition(":")
-    text = FILES[path] if words[1] == "page" else (HERE.parent / "outside" / path).read_text(encoding="utf-8")
-    return words[0], cls, text.partition("@hookimpl")[0]
-
-
-def changed(base: str, changes: tuple[str, ...]) -> str:
-    """The source of a part with pieces exchanged."""
-    text = source_of(base)[2]
-    for old, new in zip(changes[::2], changes[1::2], strict=True):
-        every = old.startswith("*")
-        piece = old.removeprefix("*")
-        assert piece in text, f"{base}: {piece!r} does not stand in it"
-        text = text.replace(piece, new) if every else text.replace(piece, new, 1)
-    return text
-
-
-def subject_of(base: str, folder: Path, changes: tuple[str, ...] = ()) -> Subject:
-    """The part with pieces of its source exchanged, in a file of its own."""
-    kind, cls, _ = source_of(base)
-    text, module = changed(base, changes), f"stranger_{next(NUMBER)}"
-    file = folder / f"{module}.py"
-    file.write_text(text + HOOK.format(kind=kind, name="strange", module=module, cls=cls), encoding="utf-8")
-    return Subject(Registry(files=[file]), kind, "strange")
+EVERY = 20  # of the defects of quick kinds in the default tier
 
 
 def checked(base: str, folder: Path, changes: tuple[str, ...] = ()) -> PartReport:
@@ -83,13 +38,9 @@ def tier(names: list[tuple[str, str]]) -> list[object]:
 CAUGHT = [(base, d[0]) for base, defects in PLANTED.items() for d in defects if (base, d[0]) not in NOT_CAUGHT]
 
 
-def _changes(base: str, says: str) -> tuple[str, ...]:
-    return next(d[1:] for d in PLANTED[base] if d[0] == says)
-
-
 @pytest.mark.parametrize(("base", "says"), tier(CAUGHT))
 def test_a_planted_defect_is_found(base: str, says: str, tmp_path: Path) -> None:
-    report = checked(base, tmp_path, _changes(base, says))
+    report = checked(base, tmp_path, changes_of(base, says))
     failed = [outcome for outcome in report.outcomes if outcome.status == "failed"]
     assert failed, f"{base}, {says}: not caught"
     assert len(failed[0].reason) > 20, "a failure must say what is wrong"
@@ -99,6 +50,40 @@ def test_a_planted_defect_is_found(base: str, says: str, tmp_path: Path) -> None
 def test_a_right_part_is_not_refused(base: str, says: str, tmp_path: Path) -> None:
     report = checked(base, tmp_path)
     assert [(o.check, o.reason) for o in report.outcomes if o.status == "failed"] == []
+
+
+def name_of(check: Check) -> str:
+    return f"{check.__module__.rpartition('.')[2]}.{check.__name__}"
+
+
+CHECKS = {name_of(check): check for kind in KINDS for cls in (None, Potential) for check in checks_for(kind, cls)}
+BY_OTHERS = {friction.slip_both_ways, integrator.declarations}
+"""One only tells, what the other asks is refused before any check (test_what_checks_say.py)."""
+
+
+@pytest.fixture(scope="module")
+def right(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Any]:
+    """right(base): the part as it is, made once."""
+    return cache(lambda base: subject_of(base, tmp_path_factory.mktemp("right")).make())
+
+
+@pytest.mark.parametrize("name", CATCHES)
+def test_a_check_finds_what_is_planted_for_it(
+    name: str, right: Callable[[str], Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By itself, and nothing in the part as it was; in plain Python, as formulas are dearer to compile than to run."""
+    monkeypatch.setenv("CONTACTLAB_PYTHON", "1")
+    check, (base, says) = CHECKS[name.partition(" of ")[0]], CATCHES[name]
+    outcome = run_check(check, subject_of(base, tmp_path, changes_of(base, says)).make())
+    assert outcome.status == "failed", f"{base}, {says}: not caught"
+    assert len(outcome.reason) > 20, "a failure must say what is wrong"
+    assert outcome.says.endswith((".", ":"))
+    as_it_is = run_check(check, right(base))
+    assert as_it_is.status != "failed", as_it_is.reason
+
+
+def test_every_check_finds_something() -> None:
+    assert {CHECKS[name.partition(" of ")[0]] for name in CATCHES} == set(CHECKS.values()) - BY_OTHERS
 
 
 def test_there_are_enough_of_each() -> None:

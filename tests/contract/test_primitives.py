@@ -7,28 +7,25 @@ from typing import Any
 
 import numpy as np
 import pytest
+from from_source import subject_of
 
 from contactlab.api import ExplicitIntegrator
 from contactlab.errors import WrongAnswer
 from contactlab.parts.contract import faults
 from contactlab.parts.registry import Registry
 from contactlab.testing.assertions import NotApplicable
-from contactlab.testing.integrator import (
-    CHECKS,
-    DUTIES,
-    MASS,
-    START,
-    STIFFNESS,
-    constant_force_gives_the_parabola,
-    converges_at_its_order,
-)
-from contactlab.testing.integrator_contact import contact_stops_what_falls
+from contactlab.testing.integrator import CHECKS, DUTIES, MASS, START, STIFFNESS
 from contactlab.testing.oscillator import Oscillator, Ramp
 
 REGISTRY = Registry(files=[Path(__file__).with_name("primitives.py")])
 DOWN = np.array([[0.0, 20.0]])  # presses all masses on their floors
 Verlet: Any = REGISTRY.part_class("integrator", "verlet")
-Wrong: Any = REGISTRY.part_class("integrator", "wrong-primitives")
+KICK, TOUCH, DRIFT = "motion.kick(0.5 * (motion.last_dt + dt))", "motion.contact(ahead=dt)", "motion.drift(dt)"
+
+
+def leapfrog(folder: Path, *pieces: str) -> Any:
+    """The one that `new-plugin` writes, with pieces of it exchanged."""
+    return subject_of("template integrator", folder, pieces).make()
 
 
 def failed(integrator: Any) -> set[str]:
@@ -62,47 +59,51 @@ def test_two_kicks_close_the_ledger_with_loads_supports_and_the_slow_velocity_of
     assert abs(model.unexplained_energy()) < 1e-11
 
 
-def test_the_ledger_closes_where_contact_rubs_under_damping() -> None:
+def test_the_ledger_closes_where_contact_rubs_under_damping(tmp_path: Path) -> None:
     model = Oscillator(
-        Wrong(), MASS, STIFFNESS, velocity=START, damping=0.3, clearance=0.1 * MASS, friction=0.2, force=-DOWN
+        leapfrog(tmp_path),
+        MASS,
+        STIFFNESS,
+        velocity=START,
+        damping=0.3,
+        clearance=0.1 * MASS,
+        friction=0.2,
+        force=-DOWN,
     )
     model.run(300, 0.02)
     assert model.state["work"][4] < 0.0, "friction acts"
     assert abs(model.unexplained_energy()) < 1e-11
 
 
+NEXT = "\n        "
+UNKICKED = "asks for contact forces without a kick"
+
+
 @pytest.mark.parametrize(
-    ("flaw", "words"),
+    ("old", "new", "touches", "words"),
     [
-        ("contact before the kick", "asks for contact forces without a kick, needed: one kick before"),
-        ("contact twice", "asks for contact forces without a kick, needed: one kick before"),
-        ("kicks twice", "kicks again beside contact, needed: one kick a step with contact"),
-        ("contact of another time", "drifts for 0.1 s, and asked for contact 0.05 s ahead, needed: the same time"),
-        ("half a step", "its step of 0.1 s drifts for 0.05 s, needed: its length"),
-        ("contact now", "asks for contact 0 s ahead, needed: a positive time"),
-        ("no drift", "asks for contact and does not drift, needed: a drift after it"),
-        ("no kick", "asks for contact forces without a kick"),
-        ("no time", "its step kicks for 0 s, needed: a positive time"),
+        (KICK, TOUCH + NEXT + KICK, True, f"{UNKICKED}, needed: one kick before"),
+        (TOUCH, TOUCH + NEXT + TOUCH, True, f"{UNKICKED}, needed: one kick before"),
+        (
+            DRIFT,
+            f"{DRIFT}{NEXT}motion.kick(dt)",
+            True,
+            "kicks again beside contact, needed: one kick a step",
+        ),
+        ("=dt", "=0.5 * dt", True, "drifts for 0.1 s, and asked for contact 0.05 s ahead, needed: the same time"),
+        # without contact, or the time of contact is named first
+        (DRIFT, "motion.drift(0.5 * dt)", False, "its step of 0.1 s drifts for 0.05 s, needed: its length"),
+        ("=dt", "=0.0", True, "asks for contact 0 s ahead, needed: a positive time"),
+        (NEXT + DRIFT, "", True, "asks for contact and does not drift, needed: a drift after it"),
+        (KICK + NEXT, "", True, UNKICKED),
+        (KICK, "motion.kick(0.0)", True, "its step kicks for 0 s, needed: a positive time"),
     ],
 )
-def test_misused_primitives_are_named(flaw: str, words: str) -> None:
-    if flaw == "half a step":  # without contact, or the time of contact is named first
-        model = Oscillator(Wrong(flaw), MASS, STIFFNESS, velocity=START)
-    else:
-        model = Oscillator(Wrong(flaw), MASS, STIFFNESS, velocity=START, clearance=MASS)
-    with pytest.raises(WrongAnswer, match=f"^Wrong: its step .*{words}|^Wrong: {words}"):
+def test_misused_primitives_are_named(old: str, new: str, touches: bool, words: str, tmp_path: Path) -> None:
+    clearance = {"clearance": MASS} if touches else {}
+    model = Oscillator(leapfrog(tmp_path, old, new), MASS, STIFFNESS, velocity=START, **clearance)
+    with pytest.raises(WrongAnswer, match=f"^Mine: its step .*{words}|^Mine: {words}"):
         model.advance(0.1)
-
-
-def test_wrong_physics_is_left_to_the_checks() -> None:
-    for flaw, check in (
-        ("no half step at the start", converges_at_its_order),
-        ("kicks twice", constant_force_gives_the_parabola),
-        ("no contact", contact_stops_what_falls),
-    ):
-        check(Wrong())
-        with pytest.raises(AssertionError):
-            check(Wrong(flaw))
 
 
 def test_an_integrator_has_a_step_or_a_bind() -> None:
