@@ -6,7 +6,6 @@ import re
 import resource
 import warnings
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -106,22 +105,6 @@ def reader(run: Results) -> Reader:
 # --- one run --------------------------------------------------------------------------------------
 
 
-def test_entities(run: Results, reader: Reader) -> None:
-    expected = {f"/run/{name}" for name in (
-        "view", "mesh", "outline", "wire", "arrows", "bar", "bar/labels", "bar/stick", "bar/slip", "energy",
-        "solver/sweeps", "solver/residual", "solver/dt", "contact-work", "reaction", "time-per-step",
-        "nodes/contacts.0", "violation/contacts.0", "profile/contacts.0/pressure",
-        "profile/contacts.0/shear", "gap-along/contacts.0/gap", "slip-along/contacts.0/slip", "events", "scene",
-        "numbers/contacts.0",
-    )}  # fmt: skip
-    expected |= {f"/axes/0{what}/{name}" for what in ("", "-gap", "-slip") for name in ("view", "axes", "labels")}
-    tracks = {path for path in reader.paths if path.startswith(LANES)}
-    assert 2 <= len(tracks) <= 8
-    pictures = {f"/run/steps/contacts.0/{kind}/picture" for kind in ("state", "segment", "pressure", "gap", "slip")}
-    pictures |= {f"/run/steps/contacts.0/all/{part}" for part in ("nodes", "page", "cursor")}
-    assert reader.paths - tracks == expected | pictures
-
-
 def test_tables_have_the_numbers_of_each_node_at_every_frame(run: Results, reader: Reader) -> None:
     rows = reader.rows("/run/numbers/contacts.0", "TextDocument:text")
     assert rows.steps.tolist() == [frame.step for frame in run.frames]
@@ -187,21 +170,6 @@ def test_every_frame_has_its_deformed_mesh(run: Results, reader: Reader) -> None
     assert set(triangles.ravel()) == set(cells.ravel())
 
 
-def test_colours_follow_the_field(run: Results, reader: Reader) -> None:
-    """The lightest node is where the von Mises stress is largest, and it grows lighter with the load."""
-    from contactlab_rerun.mesh_shape import MeshShape
-
-    colours = reader.rows("/run/mesh", "Mesh3D:vertex_colors").values
-    shape, frame = MeshShape(run.layout), run.frames[-1]
-    field = shape.nodal(np.concatenate([frame.cells[body.name]["von_mises"] for body in run.layout.bodies]))
-    luminance = (np.array(colours[-1]) >> np.array([[24], [16], [8]]) & 0xFF).T @ [0.2126, 0.7152, 0.0722]
-    order = np.argsort(field)
-    assert luminance[order[-5:]].min() > luminance[order[:5]].max()
-    # the colour map rises evenly in lightness, but for one step of rounding
-    assert (np.diff(luminance[order]) > -3.0).all()
-    assert len(set(colours[0])) == 1, "nothing is loaded in the first frame"
-
-
 def test_arrows_are_contact_tractions_in_the_colours_of_the_states(run: Results, reader: Reader) -> None:
     origins = reader.rows("/run/arrows", "Arrows3D:origins").values
     vectors = reader.rows("/run/arrows", "Arrows3D:vectors").values
@@ -243,95 +211,6 @@ def test_profiles_are_the_contact_curves(run: Results, reader: Reader) -> None:
     assert "s along disc.arc [mm]" in labels
     ticks = [float(label) for label in labels if label.replace(".", "").replace("-", "").isdigit()]
     assert max(ticks) <= 1.05 * max(expected)
-
-
-def test_memories_have_a_plot_and_a_column(run: Results, tmp_path: Path) -> None:
-    """What laws remember, here the arc length in place of a wear that grows from frame to frame."""
-    contact = replace(run.layout.contacts[0], memory=("worn",))
-    frames = [
-        replace(f, curves={n: replace(c, memory={"worn": f.number * c.s}) for n, c in f.curves.items()})
-        for f in run.frames
-    ]
-    read = again(replace(run, layout=replace(run.layout, contacts=(contact,)), frames=frames), tmp_path / "again")
-    strips = read.rows("/again/memory-worn-along/contacts.0/worn", "LineStrips3D:strips")
-    assert strips.steps.tolist() == [frame.step for frame in frames]
-    assert "worn" in read.constant("/axes/0-memory-worn/labels", "Points3D:labels")
-    ends = [strip[0][-1][1] - strip[0][0][1] for strip in strips.values]
-    # heights are proportional to the memory; they are whole grains
-    assert np.allclose(ends, np.arange(len(ends)) * ends[-1] / (len(ends) - 1), atol=2 * GRAIN * ends[-1])
-    table = read.rows("/again/numbers/contacts.0", "TextDocument:text").values[-1][0]
-    assert "| worn |" in table
-
-
-def test_gaps_are_those_of_the_contact_curves(run: Results, reader: Reader) -> None:
-    """A line has a point for each covered node of the plot, as high as its power of ten; overlap is below zero."""
-    from contactlab_rerun.axes import WIDTH
-
-    strips = reader.rows("/run/gap-along/contacts.0/gap", "LineStrips3D:strips")
-    frames = {frame.step: frame.curves["contacts.0"] for frame in run.frames}
-    assert set(frames) <= set(strips.steps.tolist())
-    assert len(strips.steps) >= len(frames) + 40  # the last steps have theirs, but for those of frames
-    labels = reader.constant("/axes/0-gap/labels", "Points3D:labels")
-    assert {"0", "gap [mm]", "s along disc.arc [mm]"} <= set(labels)
-    gaps: list[float] = []
-    heights: list[float] = []
-    for step, strip in zip(strips.steps.tolist(), strips.values, strict=True):
-        if step not in frames:
-            continue
-        curve = frames[step]
-        order = np.argsort(curve.s)
-        gap = curve.gap[order]
-        drawn = np.array(strip[0]).reshape(-1, 3)
-        covered = np.isfinite(gap)
-        assert len(drawn) <= covered.sum()
-        assert (drawn[:, 0] >= -SINGLE).all()
-        assert (drawn[:, 0] <= WIDTH + GRAIN).all()
-        if len(drawn) == covered.sum():
-            gaps += list(gap[covered])
-            heights += list(drawn[:, 1])
-    apart, overlap = np.array(gaps) > 1e-4, np.array(gaps) < -1e-7  # the facets' overlap of the start, let go slowly
-    assert apart.sum() > 20
-    assert np.corrcoef(np.log10(np.array(gaps)[apart]), np.array(heights)[apart])[0, 1] > 1.0 - 1e-5
-    assert overlap.any()
-    assert np.array(heights)[overlap].max() < np.array(heights)[apart].min()
-
-
-def test_slips_are_those_of_recorded_steps(run: Results, reader: Reader) -> None:
-    """A line has a point for each closed node of the plot, above zero where it slid along s."""
-    strips = reader.rows("/run/slip-along/contacts.0/slip", "LineStrips3D:strips")
-    rows, order = run.contact["contacts.0"].steps[:], np.argsort(run.contact["contacts.0"].last.s)
-    recorded = {int(row["step"]): np.where(row["state"] > 0, row["slip"], np.nan)[order] for row in rows}
-    assert {"0", "slip [mm]", "s along disc.arc [mm]"} <= set(reader.constant("/axes/0-slip/labels", "Points3D:labels"))
-    compared, highest = 0, 0.0
-    for step, strip in zip(strips.steps.tolist(), strips.values, strict=True):
-        slip = recorded.get(step, np.full(len(order), np.nan))
-        slip, heights = slip[np.isfinite(slip)], np.array(strip[0]).reshape(-1, 3)[:, 1]
-        assert len(heights) <= len(slip)  # the plot ends before the surface does
-        if len(heights) == len(slip) > 1:
-            rising = heights[np.argsort(slip, kind="stable")]
-            assert np.all(np.diff(rising) >= -SINGLE * np.abs(heights).max())
-            compared, highest = compared + len(heights), max(highest, np.ptp(heights))
-    assert compared > 200
-    assert highest > 0.1  # of a plot one high: not all stick
-
-
-@pytest.mark.parametrize("kind", ["gap", "slip"])
-def test_pictures_of_lengths_have_a_shade_for_each_power_of_ten(kind: str, run: Results, reader: Reader) -> None:
-    import io
-
-    from contactlab_rerun.decades import SHADES
-    from PIL import Image
-
-    record = run.contact["contacts.0"].steps
-    pages = reader.rows(f"/run/steps/contacts.0/{kind}/picture", "EncodedImage:blob")
-    last = np.asarray(Image.open(io.BytesIO(bytes(pages.values[-1][0]))))
-    high, wide = last.shape[0] // record[kind].shape[1], last.shape[1] // 200
-    shown = last[high // 2 :: high, wide // 2 :: wide].T[:, np.argsort(np.argsort(run.contact["contacts.0"].last.s))]
-    values = record[kind][-200:]
-    none = np.isnan(values) if kind == "gap" else record["state"][-200:] == 0
-    assert ((shown == 0) == none).all()
-    assert ((shown[~none] <= SHADES) == (values[~none] < 0.0)).all()
-    assert len(set(shown[~none].tolist())) > 3
 
 
 @pytest.mark.parametrize("kind", ["state", "segment"])
@@ -525,17 +404,6 @@ def _frame_bytes(run: Results) -> int:
     return MESH_BYTES * shape.nodes + LINE_BYTES * sum(map(len, [*shape.outlines, *shape.wire]))
 
 
-def test_wire_passes_every_inner_side_once(run: Results) -> None:
-    """A side of a cell is an inner one if two cells have it; no line of the wire jumps."""
-    from contactlab_rerun.mesh_shape import MeshShape
-
-    sides = np.concatenate([np.stack([b.cells, np.roll(b.cells, -1, axis=1)], axis=-1) for b in run.layout.bodies])
-    found, counts = np.unique(np.sort(sides.reshape(-1, 2), axis=1), axis=0, return_counts=True)
-    lines = MeshShape(run.layout).wire
-    drawn = np.concatenate([np.stack([line[:-1], line[1:]], axis=1) for line in lines])
-    assert sorted(map(tuple, np.sort(drawn, axis=1).tolist())) == sorted(map(tuple, found[counts == 2].tolist()))
-
-
 def test_meshes_of_large_models_are_drawn_at_fewer_frames(
     run: Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -614,12 +482,7 @@ def assert_one_iteration_after_the_other(run: Results, read: Reader) -> None:
 
 
 def assert_bodies_move_from_iteration_to_iteration(run: Results, read: Reader) -> None:
-    """Meshes are those of the results file, slave nodes have the colours of their states, and gaps those of decades."""
-    import io
-
-    from contactlab_rerun.decades import shade_levels
-    from PIL import Image
-
+    """Meshes are those of the results file, and slave nodes have the colours of their states."""
     size = float(np.ptp(run.nodes, axis=0).max())
     shown = {}
     for batch in read.moving["/run/mesh"]:
@@ -640,24 +503,6 @@ def assert_bodies_move_from_iteration_to_iteration(run: Results, read: Reader) -
         is_closed = [colour >> 8 == int(CLOSED[1:], 16) for colour in colours]
         assert is_closed == (row.active_set > 0).tolist()
         assert len(points) == len(contact.slave_nodes)
-    (page,) = read.rows("/run/newton/contacts.0/gap/picture", "EncodedImage:blob").values
-    picture = np.asarray(Image.open(io.BytesIO(bytes(page[0]))))
-    along = np.argsort(run.contact["contacts.0"].last.s)
-    ends = run.nodes[contact.slave_nodes][contact.slave_segments]
-    length = np.hypot(*(ends[:, 1] - ends[:, 0]).T).mean()
-    levels = shade_levels(np.array([one.gap for one in run.iterates])[:, along], float(length))
-    high, wide = picture.shape[0] // levels.shape[1], picture.shape[1] // len(levels)
-    assert np.array_equal(picture[high // 2 :: high, wide // 2 :: wide].T, levels)
-
-
-def test_gaps_have_a_shade_for_each_power_of_ten() -> None:
-    from contactlab_rerun.decades import SHADES, shade_levels
-
-    gaps = np.array([np.nan, -3.0, -0.2, -0.02, -1e-30, 0.0, 1e-30, 0.02, 0.2, 3.0])
-    red, blue = 1, 1 + SHADES
-    assert shade_levels(gaps, 1.0).tolist() == [
-        0, red, red, red + 1, red + SHADES - 1, blue + SHADES - 1, blue + SHADES - 1, blue + 1, blue, blue,
-    ]  # fmt: skip
 
 
 def test_a_panel_alone(run: Results, tmp_path: Path) -> None:
@@ -702,16 +547,6 @@ def test_comparison_has_all_runs_on_one_cursor(small_scene: MakeScene, tmp_path:
         }
         assert any(text.endswith(f" [{name}]") for (text,) in read.rows(f"/{name}/events", "TextLog:text").values)
     assert len(colours) == 2
-
-
-def test_colours_of_algorithms_are_those_of_the_report() -> None:
-    from contactlab_rerun.gathered import tint
-
-    from contactlab.api.drawing.colours import styles
-
-    assert tint(styles(["mortar-p0", "mortar-p1"])["mortar-p1"].colour, 0) == (
-        styles(["mortar-p0", "mortar-p1"])["mortar-p1"].colour.lower()
-    )
 
 
 # --- runs that end early --------------------------------------------------------------------------

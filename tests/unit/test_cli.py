@@ -131,14 +131,6 @@ class TestRun:
 
 
 class TestListings:
-    def test_scenes(self, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setenv("COLUMNS", "120")  # whatever the terminal: no cell is wrapped
-        assert main(["scenes"]) == 0
-        shown = capsys.readouterr().out
-        assert "disc-on-block" in shown
-        assert "disc.arc on block.top" in shown
-        assert "Baillet" in shown
-
     def test_a_broken_scene_of_a_plugin_is_a_row(
         self, in_folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
     ) -> None:
@@ -148,24 +140,6 @@ class TestListings:
         shown = capsys.readouterr().out
         assert shown.count("broken: ") == 2
         assert "disc-on-block" in shown
-
-    @pytest.mark.parametrize(("columns", "published"), [("80", False), ("160", True)])
-    def test_parts(
-        self, columns: str, published: bool, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-    ) -> None:
-        monkeypatch.setenv("COLUMNS", columns)
-        assert main(["parts"]) == 0
-        shown = capsys.readouterr().out
-        for word in ("mortar-p0", f"contactlab-mortar {contactlab.__version__}", "rectangle"):
-            assert word in shown
-        assert ("Baillet" in shown) == published
-        assert "broken" not in shown
-
-    def test_parts_for_programs(self, capsys: pytest.CaptureFixture[str]) -> None:
-        assert main(["parts", "--json"]) == 0
-        listed = json.loads(capsys.readouterr().out)
-        assert listed["broken"] == []
-        assert ("contact", "mortar-p0") in {(part["kind"], part["name"]) for part in listed["parts"]}
 
 
 class TestDoctor:

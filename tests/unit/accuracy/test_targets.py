@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from contactlab.accuracy.lines import Line, better, front, scatter_of
+from contactlab.accuracy.lines import Line, front, scatter_of
 from contactlab.accuracy.orders import orders_of, slope
 from contactlab.accuracy.point import Point
 from contactlab.accuracy.run import Accuracy, Asked, expected_cost
@@ -91,24 +91,6 @@ def test_a_case_may_have_targets_of_its_own() -> None:
     asked = Asked("a", "", "L2", "exact", 0.0, 2.0, "", (0.0001, 0.02))
     found = Accuracy(STUDY, [asked], ["x"], one.points, 1)
     assert [cost.target for cost in costs_of(found, [one])] == found.targets == [0.02, 0.0001]
-
-
-def test_the_front_goes_through_points_that_are_drawn() -> None:
-    declared = line("x", [0.04, 0.01], [1.0, 2.0])
-    swapped = replace(line("x", [0.03, 0.02], [3.0, 9.0]), slave="exchanged")
-    assert better([declared, swapped]) == [declared]
-    swapped = replace(line("x", [0.001, 0.02], [3.0, 99.0]), slave="exchanged")
-    assert better([declared, swapped]) == [declared, swapped]  # its point of level 1 is of the front
-
-
-def test_lost_runs_are_marked_where_they_ended() -> None:
-    failed = Point("a", "x", "declared", 2, "diverged", "blew up")
-    late = Point("a", "x", "declared", 4, "over-limit", "would take 40 CPU s")
-    one = line("x", [0.04], [1.0])
-    one = replace(one, points=[*one.points, failed, late])
-    assert one.lost == [failed]
-    assert one.lost_at(failed, 30.0) == 1.0  # nothing else is known
-    assert one.lost_at(late, 30.0) == 30.0
 
 
 def test_targets_below_three_times_the_uncertainty_are_grey() -> None:

@@ -55,30 +55,6 @@ def test_ratios_of_one_commit_and_kind_are_kept_once(tmp_path: Path) -> None:
     ]  # fmt: skip
 
 
-def test_the_page_has_a_table_for_each_kind_of_machine() -> None:
-    import baselines
-
-    kept = [entry(a_machine(), "1", a=1.0), entry(a_machine(), "2", a=2.0, b=0.5)]
-    kept.append(entry(a_machine("other"), "1", a=4.0))
-    text = baselines.page(kept)
-    assert text.count("\n## ") == 2
-    assert "| a | 1 | 2 |" in text
-    assert "| b |  | 0.5 |" in text
-    assert "| a | 4 |" in text
-    assert "LLVM 20.1" in text
-
-
-def test_the_machine_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    import machine
-
-    found = machine.machine(entries=1000, rounds=3)
-    assert found["processor"]
-    assert found["bandwidth"]["least"] > 0.0
-    assert {"LLVM", "Python", "Python's compiler", "numba"} <= set(found["software"])
-    assert "GB/s" in machine.described(found)
-    assert machine.kind(found).startswith(found["processor"])
-
-
 def test_a_run_without_a_baseline_of_its_kind_judges_nothing(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -73,20 +72,3 @@ def test_a_stage_is_told_with_its_marks_and_the_time_of_all_its_processes(tmp_pa
     assert cpu > 0.0
     with pytest.raises(SystemExit, match="page"):
         stages.told(place, "none", [sys.executable, "-c", ""], marks={"page": lambda: False})
-
-
-def test_the_page_has_the_newest_row_of_each_kind_of_machine() -> None:
-    import stages
-
-    def entry(processor: str, seconds: float) -> dict[str, Any]:
-        machine = {"processor": processor, "cores": 2, "caches": {}, "software": {"Python": "3.11.7"}}
-        row = {"median": seconds, "least": 0.5 * seconds, "largest": 2.0 * seconds, "rounds": 3}
-        return {
-            "machine": machine, "date": "2026-01-01", "commit": "c", "load": [0.0, 1.0], "note": "",
-            "stages": {"warm run [CPU s]": row},
-        }  # fmt: skip
-
-    page = stages.page([entry("one", 1.0), entry("other", 2.0), entry("one", 4.0)])
-    assert page.count("| stage |") == 2
-    assert "| warm run | 4 CPU s | 2 to 8 | 3 |" in page
-    assert "| warm run | 1 CPU s" not in page

@@ -62,23 +62,6 @@ def test_every_part_of_a_scene_tells_all(offer: object) -> None:
     assert page["example"] or page["name"] == "file"
 
 
-def test_the_list_fits_a_narrow_terminal(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("COLUMNS", "80")
-    assert main(["parts"]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert max(map(len, lines)) <= 80
-    assert len(lines) <= 2 * len(default_registry().parts())
-
-
-def test_on_a_narrow_terminal(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("COLUMNS", "80")
-    assert main(["parts", "arc-block"]) == 0
-    shown = capsys.readouterr().out
-    assert max(map(len, shown.splitlines()[:-3])) <= 80  # the example may be copied: it is not folded
-    for word in ("half_width", "required", "mm", "In a scene (from disc-on-block)", 'mesh = {use = "arc-block"'):
-        assert word in shown
-
-
 def test_for_programs(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["parts", "friction.coulomb", "--json"]) == 0
     (part,) = json.loads(capsys.readouterr().out)["parts"]

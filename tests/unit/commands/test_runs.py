@@ -55,17 +55,6 @@ def test_folders_are_told_apart(here: Path, capsys: pytest.CaptureFixture[str]) 
     assert all(int(str(one["bytes"])) > 0 for one in found.values())
 
 
-def test_the_list_fits_80_columns(
-    here: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("COLUMNS", "80")
-    assert main(["runs"]) == 0
-    out = capsys.readouterr().out
-    assert max(map(len, out.splitlines())) <= 80
-    assert "algorithm=node-on-segment" in "".join(out.split()).replace("│", "")
-    assert "4 folders" in out
-
-
 @pytest.mark.parametrize(
     ("names", "left"),
     [

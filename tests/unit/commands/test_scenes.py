@@ -41,15 +41,6 @@ class TestPrinted:
         assert main(["scenes", "disk-on-block"]) == 2
         assert 'did you mean "disc-on-block"?' in capsys.readouterr().err
 
-    def test_the_list_fits_a_narrow_terminal(
-        self, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-    ) -> None:
-        monkeypatch.setenv("COLUMNS", "80")
-        assert main(["scenes"]) == 0
-        lines = capsys.readouterr().out.splitlines()
-        assert max(map(len, lines)) <= 80
-        assert len(lines) <= 3 * len(bundled_scenes())
-
 
 class TestNewScene:
     @pytest.mark.parametrize("source", list(bundled_scenes()))

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from contactlab.api import ConditionDerivatives, ContactView, GapConditions
+from contactlab.api import ConditionDerivatives
 from contactlab.contact.condition_differences import ConditionDifferences
 from contactlab.errors import ContactlabError
 from contactlab.model.build import build
@@ -22,7 +22,6 @@ from contactlab.parts.loading import Origin, load
 from contactlab.parts.registry import Registry
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene
-from contactlab.testing import contact as checks
 from contactlab.testing.contact_derivatives import against_differences, answers_of
 
 PACKAGE = Path(__file__).parents[2] / "outside" / "closest-point" / "src"
@@ -184,21 +183,6 @@ def test_convergence_is_quadratic(algorithm: str, registry: Registry) -> None:
         assert new <= max(100.0 * old**2, 1e-9), left
 
 
-def test_empty_derivatives_cost_iterations(registry: Registry) -> None:
-    """What the tests above would not see: a part whose derivatives are all zero still converges, but slowly."""
-    from closest_point.contact import ClosestPoint
-
-    def none(self: Any, view: ContactView, found: GapConditions) -> ConditionDerivatives:
-        return ConditionDerivatives(np.zeros(0, np.int32), np.zeros(0, np.int32), np.zeros((0, 2)))
-
-    counts = {}
-    with pytest.MonkeyPatch.context() as patch:
-        counts["own"] = simulate(pressed("closest-point", registry, True), registry=registry).summary["iterations"]
-        patch.setattr(ClosestPoint, "derivatives", none)
-        counts["none"] = simulate(pressed("closest-point", registry, True), registry=registry).summary["iterations"]
-    assert counts["none"] >= counts["own"] + 4, counts
-
-
 @pytest.mark.parametrize(
     ("wrong", "word"),
     [
@@ -222,13 +206,3 @@ def test_wrong_derivatives_are_named(wrong: Any, word: str, registry: Registry) 
         model.contact.evaluate(position)
         with pytest.raises((ContactlabError, ValueError), match=word):
             model.contact.linearise(np.flatnonzero(model.contact.conditions.present)[:3])
-
-
-@pytest.mark.parametrize("check", checks.CHECKS, ids=lambda check: check.__name__)
-def test_the_outside_part_passes_the_checks(check: Any, registry: Registry) -> None:
-    from closest_point.contact import ClosestPoint
-
-    try:
-        check(ClosestPoint())
-    except checks.NotApplicable as reason:
-        pytest.skip(str(reason))

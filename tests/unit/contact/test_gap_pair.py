@@ -140,14 +140,6 @@ def test_slip_of_finished_conditions_is_objective(registry: Registry) -> None:
 OWN = [check for check in checks.CHECKS if check.__name__ != "reach_is_kept"]  # it has no reach
 
 
-@pytest.mark.parametrize("check", OWN, ids=lambda check: check.__name__)
-def test_finished_conditions_pass_the_checks_of_the_kind(check) -> None:  # type: ignore[no-untyped-def]
-    try:
-        check(Finished())
-    except checks.NotApplicable as reason:
-        pytest.skip(str(reason))
-
-
 def test_results_of_finished_conditions_are_reported(registry: Registry) -> None:
     from contactlab.run.simulation import simulate
 

@@ -11,7 +11,7 @@ from contactlab_solids.neo_hookean import NeoHookean
 
 from contactlab.model.build import build
 from contactlab.model.part_times import element_times
-from contactlab.reports.run_details import part_label, why_apart
+from contactlab.reports.run_details import part_label
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene
 
@@ -88,12 +88,6 @@ def test_asking_changes_nothing() -> None:
     assert element_times(model)
     for array, was in zip(arrays, before, strict=True):
         np.testing.assert_array_equal(array, was)
-
-
-def test_wall_time_beside_cpu_time_has_a_word_where_they_differ() -> None:
-    assert why_apart(1.0, 1.9) == why_apart(1.9, 1.0) == ""
-    assert "3.0 times the CPU time: other" in why_apart(1.0, 3.0)
-    assert "several threads" in why_apart(3.0, 1.0)
 
 
 def test_parts_of_others_are_shown_with_their_package() -> None:

@@ -170,16 +170,6 @@ def test_a_target_that_is_not_there_is_told_when_it_is_asked_for(target: str, re
     assert "far-plugin 1.0" in str(caught.value)
 
 
-def test_targets_are_imported_only_when_asked(install: Install, tmp_path: Path) -> None:
-    (tmp_path / "site" / "heavy_target.py").write_text("from good_plugin import Coulomb\n")
-    install("good-plugin", GOOD.replace("good_plugin:Coulomb", "heavy_target:Coulomb"))
-    registry = Registry()
-    assert "test-coulomb" in registry.names("friction")
-    assert "heavy_target" not in sys.modules
-    registry.part_class("friction", "test-coulomb")
-    assert sys.modules.pop("heavy_target")
-
-
 def test_parts_command_names_what_is_broken(
     good: None, install: Install, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -389,10 +379,6 @@ class TestMake:
         assert 'did you mean "test-coulomb"?' in str(caught.value)
         assert "contacts.0.friction" in str(caught.value)
 
-    def test_a_part_of_another_kind_is_recognised(self, registry: Registry) -> None:
-        with pytest.raises(PartError, match="mortar-p0 is of kind contact"):
-            raise_as_text(registry, "element", "mortar-p0")
-
     def test_a_part_that_raises_on_its_fields_is_blamed(self, install: Install) -> None:
         source = GOOD.replace("good_plugin", "odd_plugin").replace(
             "    def bound", "    def __post_init__(self):\n        1 / 0\n\n    def bound"
@@ -400,14 +386,6 @@ class TestMake:
         install("odd-plugin", source.replace("test-coulomb", "odd"))
         with pytest.raises(PartError, match=r"odd-plugin 1\.0.*ZeroDivisionError"):
             Registry().make("friction", {"use": "odd", "mu": 0.1})
-
-
-def raise_as_text(registry: Registry, kind: str, spec: str) -> None:
-    """The whole message as the exception's text, for `match`."""
-    try:
-        registry.make(kind, spec)
-    except PartError as error:
-        raise PartError(str(error)) from error
 
 
 class TestOtherHooks:

@@ -28,18 +28,6 @@ def test_both_nodes_of_a_corner_have_a_track() -> None:
     ]
 
 
-def test_lanes_of_one_chain_are_named_by_arc_length_and_node() -> None:
-    plain = surface([0.0, 0.5, 1.6], [0, 0, 0])
-    names = track_names(plain, CONTACT, watched_nodes(plain, 9))
-    assert names == ["s_0.00_node_7", "s_0.50_node_8", "s_1.60_node_9"]
-
-
-def test_nodes_close_to_each_other_have_names_of_their_own() -> None:
-    fine = surface([0.0, 0.0001, 0.0002, 100.0], [0, 0, 0, 0])
-    names = track_names(fine, CONTACT, watched_nodes(fine, 9))
-    assert [name.partition("_node")[0] for name in names] == ["s_0.0000", "s_0.0001", "s_0.0002", "s_100.0000"]
-
-
 def test_nodes_are_watched_and_drawn_along_the_chains() -> None:
     """Whatever their order in the surface: chain by chain, each from its beginning."""
     shuffled = surface([10.0, 15.0, 0.0, 10.0], [1, 1, 0, 0])

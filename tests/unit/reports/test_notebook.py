@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import importlib.util
-import io
 import sys
 from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 import pytest
-from matplotlib.collections import PolyCollection, TriMesh
 from matplotlib.figure import Figure
 from tiers import some
 
@@ -18,12 +16,9 @@ import contactlab
 from contactlab.cases.verdict import WORST
 from contactlab.errors import ContactlabError, RequestError
 from contactlab.parts.registry import default_registry
-from contactlab.reports.figures import PAPER, house_style
 from contactlab.reports.notebook.bar import notebook_bar
-from contactlab.reports.notebook.canvas import label_places
-from contactlab.reports.notebook.fields import moment_of, names_of, values_of
+from contactlab.reports.notebook.fields import moment_of, values_of
 from contactlab.reports.notebook.libraries import library
-from contactlab.reports.notebook.pictures import colour_bar, frame_of
 from contactlab.results.precision import PLACES, SHOWN
 from contactlab.results.results import Results
 from contactlab.scene.scene import bundled_scenes, load_scene
@@ -67,30 +62,6 @@ class TestScene:
         assert "mortar-p0" in html
         assert "[[contacts]]" in html
 
-    def test_the_picture_has_each_body_and_both_sides(self) -> None:
-        figure = load_scene("disc-on-block").plot()
-        (axes,) = figure.axes
-        assert {text.get_text() for text in axes.texts} - {""} == {"disc", "block"}
-        assert {text.get_text() for text in axes.get_legend().get_texts()} == {"slave", "master"}
-        lines = [c for c in axes.collections if c.get_label() in ("slave", "master")]
-        assert [line.get_label() for line in lines] == ["master", "slave"]  # the later one lies above
-        assert lines[0].get_linewidth()[0] > lines[1].get_linewidth()[0]
-
-    def test_supports_and_loads_are_drawn(self) -> None:
-        (axes,) = load_scene("disc-on-block").plot().axes
-        for line, away in zip(axes.lines, (-1.0, 1.0), strict=True):  # below the block, above the disc, both ways held
-            triangle = np.asarray(line.get_marker())
-            assert triangle[0].tolist() == [0.0, 0.0]
-            assert triangle[1:3, 1].tolist() == [away, away]
-            assert line.get_markerfacecolor() != PAPER
-
-        (arrow,) = (text for text in axes.texts if getattr(text, "arrow_patch", None) is not None)  # the disc's way
-        assert arrow.xy[1] < arrow.xyann[1]
-
-    def test_a_rigid_surface_does_not_make_the_bodies_small(self) -> None:
-        (axes,) = load_scene("block-on-incline").plot().axes
-        assert np.ptp(axes.get_xlim()) < 20.0  # the plane is 113 long, the block 10
-
 
 class TestResults:
     def test_few_lines_with_what_is_looked_at_first(self, results: Results) -> None:
@@ -111,13 +82,6 @@ class TestResults:
     def test_a_run_that_left_nothing_says_so(self, results: Results) -> None:
         nothing = Results(**{**vars(results), "frames": (), "stress": {}})
         assert "no picture: the run stored nothing" in nothing._repr_html_()
-
-    def test_every_field_has_a_value_in_each_cell(self, results: Results) -> None:
-        moment = moment_of(results)
-        for name in names_of(moment):
-            for body, values in values_of(results, moment, name).items():
-                assert values.shape == (len(results.cells[body]),)
-                assert np.isfinite(values).all()
 
     def test_fields_by_their_definition(self, results: Results) -> None:
         """Pressure is minus the mean of the normal stresses; displacements of a cell are those of its corners."""
@@ -142,17 +106,6 @@ class TestResults:
         with pytest.raises(RequestError, match="there is no such"):
             results.plot(field, frame)
 
-    def test_a_title_above_wide_axes_with_colours_is_not_cut_off(self) -> None:
-        with house_style():
-            figure, axes = frame_of([np.array([[-0.924, -0.3], [0.924, 0.442]])])
-            drawn = axes.add_collection(PolyCollection([[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]], array=np.zeros(1)))
-            drawn.set_clim(0.0, 3900.0)
-            colour_bar(figure, axes, drawn, "von Mises stress [MPa]")
-            label_places(axes, "mm N s t", "")
-            title = axes.set_title("disc-on-block")
-        figure.savefig(io.BytesIO(), dpi=100)
-        assert title.get_window_extent().y1 <= figure.bbox.y1 - 1.0
-
     def test_figures_and_films(self, results: Results) -> None:
         assert isinstance(results.plot("stress_yy", frame=0), Figure)
         curve = results.contact["contacts.0"].last
@@ -162,12 +115,6 @@ class TestResults:
         film._draw_was_started = True
         film._draw_frame(1)
         assert film._fig.axes[0].collections
-
-    def test_smooth_by_default_and_flat_on_request(self, results: Results) -> None:
-        smooth, flat = (results.plot(flat=flat).axes[0].collections[0] for flat in (False, True))
-        assert isinstance(smooth, TriMesh)
-        assert isinstance(flat, PolyCollection)
-        assert len(flat.get_array()) == len(results.cells["disc"])
 
     def test_everything_is_drawn_into_the_axes_of_the_caller(self, results: Results) -> None:
         curve = results.contact["contacts.0"].last

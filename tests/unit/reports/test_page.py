@@ -104,24 +104,10 @@ def test_it_says_what_it_compares_with_and_how_good_that_is(outline: Outline) ->
         assert part in text
 
 
-def test_the_scene_and_the_study_are_in_it(outline: Outline) -> None:
-    assert 'name = "made-up"\n' in outline.texts
-    assert any('scene = "made-up"' in text and "[vary]" in text for text in outline.texts)
-
-
 def test_the_lead_names_the_most_accurate_finished_run(outline: Outline) -> None:
     lead = next(text for text in outline.texts if "most accurate" in text)
     assert "4 runs at level 2, 2 finished" in lead
     assert "beta (slave disc): 1.0 %" in lead
-
-
-def test_drawings_follow_the_colours_of_the_page(text: str) -> None:
-    drawings = [part.partition("</svg>")[0] for part in text.split("<svg")[1:]]
-    assert len(drawings) == 3
-    for drawing in drawings:
-        assert "var(--ink)" in drawing
-        assert "var(--muted)" in drawing
-        assert "#1c2128" not in drawing
 
 
 def test_plots_are_written_as_svg_and_png(table: Table, tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ from contactlab.api import RunWarning
 from contactlab.api.drawing.units import Units
 from contactlab.api.frame import ContactLayout, Layout
 from contactlab.reports.findings import findings, sentence, span
-from contactlab.reports.numbers import percent, significant, uncertain
+from contactlab.reports.numbers import significant, uncertain
 from contactlab.reports.run import render_run
 from contactlab.reports.run_details import render_details
 from contactlab.reports.table import USUAL, every_number, render
@@ -60,10 +60,6 @@ def test_values_end_where_their_error_begins(value: float, error: float, text: s
     assert uncertain(value, error) == text
 
 
-def test_percent() -> None:
-    assert percent(0.01234, 3) == "1.23"
-
-
 @pytest.mark.parametrize(
     ("label", "pressure", "force", "energy"),
     [
@@ -99,16 +95,6 @@ class TestComparison:
         assert "! other-slave: beta, slave block, level 2 (worst of 2 runs): segments are 6 times as long" in text
         assert "segments are 5 times" not in text
 
-    def test_the_usual_table_fits_with_cost_and_all(self, table: Table) -> None:
-        wide = {"reaction": 12345.678, "steps": 123456.0, "sweeps": 12.34, "max_penetration": 1.2e-5,
-                "sideways_force": 1.2e-15, "cpu_s": 1234.5, "oscillation": -0.0123, "swap_asymmetry": 0.0123,
-                "pressure_error": 0.0123, "reaction_against_pressure": 1.2e-4}  # fmt: skip
-        rows = [replace(row, algorithm="node-on-segment", status="not-converged", measures=wide) for row in table.rows]
-        text = shown(render(replace(table, rows=rows)))
-        assert "CPU" in text
-        assert "not shown" not in text
-        assert max(map(len, text.splitlines())) <= WIDTH
-
     def test_a_narrow_terminal_loses_columns_but_no_digits(self, table: Table) -> None:
         text = shown(render(table), 60)
         assert "not shown for lack of width" in text
@@ -128,10 +114,6 @@ class TestComparison:
         assert "p error" in heads
         assert "CPU" in heads
         assert "sideways force" in text.split("not shown for lack of width")[1]
-
-    def test_a_measure_that_no_run_has_is_named_and_not_drawn(self, table: Table) -> None:
-        text = " ".join(shown(render(table)).split())
-        assert "no run has: peak force, peak pressure, reaction vs pressure" in text
 
     def test_a_study_may_choose_its_columns(self, table: Table) -> None:
         chosen = replace(table, study=replace(table.study, measures=("steps",)))
@@ -184,20 +166,6 @@ class TestSingleRun:
         empty = np.zeros((0, 2))
         return Results(summary, layout, history, history, empty, empty, {}, {}, folder=Path("runs/squeeze-001"))
 
-    def test_five_lines(self, results: Results) -> None:
-        lines = [line.rstrip() for line in shown(render_run(results, SCENE), 80).splitlines()]
-        assert lines == [
-            "squeeze: not-converged",
-            "it rings",
-            "peak pressure  3.5000 MPa, upper.bottom on lower.top, at the end; at the end",
-            "               3.0000 MPa",
-            "peak force     130.00 N/mm, upper.top, at 33 % of the load; at the end (0,",
-            "               -100.00)",
-            "steps          12 000 in 2.50 s",
-            "warnings       1: slower-loading",
-            "warning (slower-loading): kinetic energy is 2 times the limit; be slower",
-        ]
-
     def test_of_many_contacts_the_highest_is_shown(self, results: Results) -> None:
         peaks = {f"contacts.{k}": {"pressure": {"value": 1.0 + k % 3, "step": 3, "share": 0.2}} for k in range(6)}
         contacts = [replace(results.layout.contacts[0], name=name, label=name, slave=f"b{name}") for name in peaks]
@@ -228,14 +196,6 @@ class TestSingleRun:
     def test_all_else_on_request(self, results: Results, words: tuple[str, ...]) -> None:
         lines = shown(render_details(results, SCENE, verbose=True, profile=True), 80).splitlines()
         assert any(all(word in line for word in words) for line in lines)
-
-    def test_values_stand_beside_their_names_however_long_a_remark_is(self, results: Results) -> None:
-        results.summary |= {"history": {"curve": "the end only"}}
-        results.summary["cost"]["run_wall_s"] = 9.0
-        text = shown(render_details(results, SCENE, verbose=True, profile=True), 140)
-        assert "time.history = true" in text
-        assert "4.5 times the CPU time" in " ".join(text.split())
-        assert max(len(line.rstrip()) for line in text.splitlines() if "N/mm" in line) <= 80
 
 
 def test_a_comparison_in_which_nothing_finished_says_so_first(table: Table) -> None:

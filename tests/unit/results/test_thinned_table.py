@@ -81,9 +81,9 @@ def test_what_stays(chance: float, together: int, tmp_path: Path) -> None:
     growing.close()
 
 
-@pytest.mark.parametrize("chance", some([0.0, 0.05, 0.6], [0.05]))
+@pytest.mark.parametrize(("chance", "apart"), some([(0.0, 9), (0.05, 9), (0.05, 31), (0.6, 9)], [(0.05, 31)]))
 def test_a_kill_at_any_write_and_other_blocks_end_with_the_same_rows(
-    chance: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    chance: float, apart: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     growing, table = opened(tmp_path / "whole", new=True)
     growing.publish()
@@ -98,7 +98,7 @@ def test_a_kill_at_any_write_and_other_blocks_end_with_the_same_rows(
         return write(descriptor, data, offset)
 
     monkeypatch.setattr(journaled.os, "pwrite", killed)
-    for number in range(12, 400, 9):
+    for number in range(12, 400, apart):
         path = tmp_path / f"killed-{number}"
         growing, table = opened(path, new=True)
         growing.publish()

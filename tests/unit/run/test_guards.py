@@ -358,7 +358,7 @@ def test_a_stopped_run_returns_1_and_its_folder_can_be_read(tmp_path: Path, caps
 
     out = tmp_path / "out"
     words = ["run", "vertex-to-vertex", "--set", "contacts.0.algorithm=node-on-segment"]
-    words += ["--set", "integrator.forces=frozen", "--out", str(out)]
+    words += ["--set", "integrator.forces=frozen", "--set", "record.recorders=[vtkhdf]", "--out", str(out)]
     assert main(words) == 1
     summary = json.loads((out / "summary.json").read_text())
     assert summary["status"] == "diverged"
@@ -411,32 +411,6 @@ def model_of() -> Model:
     return build(scene(TWO, contacts=[CONTACT], supports=[HELD]), default_registry())
 
 
-def test_prescribed_speeds_are_no_runaway() -> None:
-    model = model_of()
-    guards = Guards(model)
-    model.state["velocity"][model.loading.supports[0].nodes] = (0.0, 3.0 * SOUND)
-    guards.check()
-    model.state["velocity"][0] = (0.0, 31.0 * SOUND)
-    with pytest.raises(SimulationFailure, match="node 0 of body upper"):
-        guards.check()
-
-
-@pytest.mark.parametrize(("body", "side"), [("upper", "slave"), ("lower", "master")])
-def test_half_a_segment_deep_on_either_side(body: str, side: str) -> None:
-    """Segments of 0.5: a node 0.3 deep is too deep, one 0.2 deep is not."""
-    model = model_of()
-    guards, pair = Guards(model), model.contact.pairs[0]  # type: ignore[union-attr]
-    pair.find_near(pair.at.slave, pair.at.master)
-    node = (pair.slave if body == "upper" else pair.master).nodes[2]
-    into = -1.0 if body == "upper" else 1.0
-    model.position[node, 1] = 0.2 * into
-    guards.check()
-    model.position[node, 1] = 0.3 * into
-    first = next(b.first for b in model.bodies if b.name == body)
-    with pytest.raises(SimulationFailure, match=f"node {node - first} of body {body} of the {side} lies 0.3 deep"):
-        guards.check()
-
-
 def test_loose_steps_must_follow_each_other() -> None:
     guards = Guards(model_of())
     for _ in range(PATIENCE - 1):
@@ -483,15 +457,6 @@ def test_chatter_of_forces_that_are_nothing_to_the_run_stops_none(pressed: float
         fresh.after_step(Step())
 
 
-def test_a_point_that_alternates_is_no_chatter() -> None:
-    """One or two conditions, of a corner, can only change all at once."""
-    model = model_of()
-    guards, multipliers = Guards(model), model.state["multipliers"][0]
-    for number in range(3 * CHATTER):
-        multipliers[:2] = float(number % 2)
-        guards.after_step(Step())
-
-
 def test_a_gain_of_energy_must_last() -> None:
     """12 % too much for less than a hundred steps is borrowed; from then on it is made."""
     model = model_of()
@@ -523,16 +488,6 @@ def test_energy_is_held_against_what_the_loading_will_bring() -> None:
     guards.energy.check()
     clock[1] += LASTING
     with pytest.raises(SimulationFailure, match=r"contact has made 0\.5 of energy, 50\.0% of"):
-        guards.energy.check()
-
-
-def test_round_off_is_no_gain() -> None:
-    """Nothing has happened yet: speeds of 1e-14 of that of sound are all the energy that there is."""
-    model = model_of()
-    guards = Guards(model)
-    model.state["velocity"][: model.bodies[0].count] = 1e-14 * SOUND
-    for _ in range(2 * LASTING):
-        model.state["clock"][1] += 1.0
         guards.energy.check()
 
 

@@ -35,19 +35,6 @@ def sine(period: float, **more: float) -> dict:
     return {"ramp": "function", "function": {"use": "sine", "period": period}, **more}
 
 
-@pytest.mark.parametrize("period", [0.3, 0.01, 1.0 / 1008, 1e-4])
-def test_all_turns_of_a_sine_are_found(period: float) -> None:
-    """Also of periods that fit the first samples; parabolas through three samples err by the square of a distance."""
-    found = swing(sine(period))
-    assert found is not None
-    expected = period * (0.25 + 0.5 * np.arange(round(2.0 * END / period)))
-    assert found.turns[1:-1] == pytest.approx(
-        expected[expected < END - 1e-9][: len(found.turns) - 2], abs=1e-3 * period
-    )
-    assert len(found.turns) - 2 == pytest.approx(2.0 * END / period, abs=1)
-    assert found.shortest == pytest.approx(0.5 * period, rel=0.1)
-
-
 def test_a_pulse_between_two_rests_is_seen_by_its_breaks() -> None:
     pulse = {"ramp": "function", "begin": 0.2, "function": {"use": "half-ellipse", "half_width": 1e-5, "centre": 0.3}}
     found = swing(pulse)

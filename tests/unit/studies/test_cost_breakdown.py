@@ -17,7 +17,6 @@ from rich.console import Console
 from contactlab.api import Record
 from contactlab.comparison import compare
 from contactlab.errors import RequestError
-from contactlab.reports.breakdown_plot import breakdown_figure
 from contactlab.reports.breakdown_table import by_cost, render_breakdown
 from contactlab.results.results import ContactCurve
 from contactlab.scene.scene import Scene, load_scene
@@ -200,20 +199,6 @@ def test_the_dearest_effect_comes_first_and_reasons_below() -> None:
     # 2500 us of 10000 per step, 0.25 s of the run, and it changes nothing here
     assert row[:5] == ["friction", "yes", "2500", "25", "0.25"]
     assert "friction" in shown[shown.index("would not miss") :]
-
-
-def test_the_plot_has_a_point_for_every_measured_effect_and_names_the_rest() -> None:
-    wished = plan()
-    runs = {job.name: outcome(1.0, force=0.9) for job in wished.jobs}
-    runs[wished.jobs[0].name] = outcome(2.0)
-    runs[named(wished, "without contact")] = outcome(0.1, status="diverged")
-    breakdown = breakdown_of(wished, runs)
-    axes = breakdown_figure(breakdown).axes[0]
-    points = [line for line in axes.lines if line.get_marker() == "o"]
-    assert len(points) == len(breakdown.effects) - 1
-    assert "contact: diverged" in axes.get_title(loc="left")
-    texts = {text.get_text() for text in axes.texts}
-    assert {cost.effect for cost in breakdown.effects if cost.effect != "contact"} <= texts
 
 
 @pytest.mark.usefixtures("fake_runs")

@@ -22,7 +22,7 @@ from numba.core.registry import CPUDispatcher
 from numba.core.typed_passes import NativeLowering
 from numba.extending import overload
 
-from contactlab.api.compiled.compiler import COMPILATION, Kernel
+from contactlab.api.compiled.compiler import COMPILATION
 from contactlab.api.compiled.kernel import exp, kernel, log, point, power, table_kernel
 
 
@@ -79,30 +79,6 @@ def test_time_for_compiling_and_loading_is_counted_apart_from_work() -> None:
     assert before < first == COMPILATION.seconds
 
 
-@pytest.mark.parametrize("collecting", [True, False])
-def test_the_garbage_collector_is_left_as_it_was(collecting: bool) -> None:
-    before = gc.isenabled()
-    (gc.enable if collecting else gc.disable)()
-    try:
-
-        @point
-        def fresh(x: float) -> float:
-            return x + gc_free
-
-        gc_free = 1.0
-        assert fresh(2.0) == 3.0
-        assert gc.isenabled() == collecting
-        with pytest.raises(Exception, match="nothing"):
-            point(_refused)(1.0)
-        assert gc.isenabled() == collecting
-    finally:
-        (gc.enable if before else gc.disable)()
-
-
-def _refused(x):
-    return x.nothing
-
-
 collections_seen: list[bool] = []
 
 
@@ -150,13 +126,6 @@ def test_table_kernels_make_no_arrays_but_call_kernels_that_do() -> None:
 
     assert table_kernel(twice_total)(np.ones(3)) == 12.0
     assert counted(np.ones(3)) == 6.0
-
-
-def test_dispatchers_are_made_of_our_classes_and_of_no_other() -> None:
-    """Made by their class, as `njit` makes its own; those of the host program stay what they are."""
-    assert type(twice) is Kernel
-    assert isinstance(twice, CPUDispatcher)
-    assert type(numba.njit(lambda x: x)) is CPUDispatcher
 
 
 def test_what_is_overridden_is_there_in_this_version_of_numba() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from surfaces import chain
 
-from contactlab.kernels.contact.penetration import depths, with_midpoints
+from contactlab.kernels.contact.penetration import depths
 
 
 def test_depths_behind_are_distances_to_the_nearest_segment() -> None:
@@ -21,13 +21,6 @@ def test_depths_behind_a_bent_chain_are_those_of_the_nearest_segment() -> None:
     corner = np.array([[0.0, 2.0], [0.0, 0.0], [2.0, 0.0]])  # down, then right: the body is above and to the right
     points = np.array([[0.3, 1.5], [1.2, 0.4], [-0.3, 1.0], [1.0, -0.3]])
     np.testing.assert_allclose(depths(points, corner, chain(3).segments, 1.0), [0.3, 0.4, 0.0, 0.0], atol=1e-15)
-
-
-def test_midpoints_follow_the_nodes() -> None:
-    line, segments = np.random.default_rng(1).uniform(size=(5, 2)), chain(5).segments
-    found = with_midpoints(line, segments)
-    np.testing.assert_array_equal(found[:5], line)
-    np.testing.assert_array_equal(found[5:], 0.5 * (line[:-1] + line[1:]))
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.4, 0.5 * np.pi])

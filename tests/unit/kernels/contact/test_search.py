@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from surfaces import chain
 
-from contactlab.kernels.contact.search import boxes, largest_move, near_segments
+from contactlab.kernels.contact.search import near_segments
 
 
 def wave(points: int, seed: int, turned: bool) -> np.ndarray:
@@ -14,15 +14,6 @@ def wave(points: int, seed: int, turned: bool) -> np.ndarray:
     x = np.cumsum(draw.uniform(0.1, 1.0, points))
     y = draw.normal(0.0, 2.0, points)
     return np.stack([y, x] if turned else [x, y], axis=1)
-
-
-def test_boxes_hold_both_ends() -> None:
-    positions, segments = wave(9, 1, False), chain(9).segments
-    low, high = np.zeros((8, 2)), np.zeros((8, 2))
-    boxes(positions, segments, low, high)
-    ends = positions[segments]
-    np.testing.assert_array_equal(low, ends.min(axis=1))
-    np.testing.assert_array_equal(high, ends.max(axis=1))
 
 
 @pytest.mark.parametrize("turned", [False, True])
@@ -38,9 +29,3 @@ def test_sweep_finds_what_comparing_all_boxes_finds(seed: int, reach: float, tur
     )
     for s, near in enumerate(~apart.any(axis=2)):
         np.testing.assert_array_equal(found.master[found.start[s] : found.start[s + 1]], np.flatnonzero(near))
-
-
-def test_largest_move_is_that_of_one_coordinate() -> None:
-    before, now = np.random.default_rng(2).uniform(size=(2, 40, 2))
-    assert largest_move(now, before) == np.abs(now - before).max()
-    assert largest_move(now, now) == 0.0

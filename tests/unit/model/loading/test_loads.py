@@ -78,18 +78,6 @@ def test_the_work_of_a_load_is_its_force_times_the_way(make) -> None:
     assert momentum == pytest.approx(4.0 * (50 - 0.5) * dt, rel=1e-12)  # the first step is half a step of force
 
 
-@pytest.mark.parametrize("element", ["q1", "q2", "q2-lagrange"])
-@pytest.mark.parametrize("follower", [True, False])
-def test_a_table_that_is_linear_on_edges_gives_the_exact_resultant(make, element: str, follower: bool) -> None:
-    """3 (1 + x/2) on 0 < x < 2 at y = 1: resultant 9, and 3 (2 + 8/6) = 10 of first moment."""
-    profile = {"by": "x", "table": [[0.0, 1.0], [2.0, 2.0]]}
-    load = {"on": "upper.top", "pressure": 3.0, "follower": follower, "profile": profile}
-    model = make({"bodies.upper.element": element}, loads=[load])
-    f = forces(model)
-    assert f.sum(axis=0) == pytest.approx([0.0, -9.0], abs=1e-12)
-    assert model.reference[:, 0] @ f[:, 1] == pytest.approx(-10.0, abs=1e-12)
-
-
 @pytest.mark.parametrize("component", ["tx", "ty"])
 def test_dead_loads_vary_by_file_and_angle_too(make, component: str, tmp_path) -> None:
     path = tmp_path / "factor.csv"
@@ -97,28 +85,6 @@ def test_dead_loads_vary_by_file_and_angle_too(make, component: str, tmp_path) -
     profile = {"by": "angle", "centre": [1.0, 0.0], "file": str(path)}
     model = make(loads=[{"on": "upper.top", component: 1.5, "profile": profile}])
     assert forces(model).sum() == pytest.approx(6.0, abs=1e-12)
-
-
-def test_a_cosine_has_its_resultant(make) -> None:
-    """The factor 1 + cos(pi x/2) on 0 < x < 2 has the mean 1; integrals are found to 1e-10."""
-    profile = {"by": "x", "cosine": [1.0, 1.0, 4.0]}
-    model = make(loads=[{"on": "upper.top", "pressure": 3.0, "profile": profile}])
-    assert forces(model).sum(axis=0) == pytest.approx([0.0, -6.0], rel=1e-9, abs=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("profile", "says"),
-    [
-        ({"by": "x"}, "one of these four"),
-        ({"by": "x", "cosine": [1.0, 0.5, 0.0]}, "cosine.*not allowed"),
-        ({"by": "x", "table": [[1.0, 1.0], [0.0, 2.0]]}, "rising first numbers"),
-        ({"by": "x", "file": "nowhere.csv"}, "the file cannot be read"),
-        ({"by": "z", "cosine": [1.0, 0.5, 1.0]}, "not one of the choices"),
-    ],
-)
-def test_wrong_profiles_are_refused(make, profile: dict, says: str) -> None:
-    with pytest.raises(SceneError, match=says):
-        make(loads=[{"on": "upper.top", "pressure": 3.0, "profile": profile}])
 
 
 def test_derivatives_of_a_varying_follower_load_are_those_of_its_forces(make) -> None:

@@ -8,9 +8,8 @@ from contactlab_segments.node_on_segment import NodeOnSegment
 
 from contactlab.api import ContactView, Floats, Pieces
 from contactlab.api.surface import SurfacePositions
-from contactlab.formulas.point_kernels import node_lengths
 from contactlab.kernels.contact.search import near_segments
-from contactlab.testing.surfaces import Chains, chains, consistent_loads, curved, flat
+from contactlab.testing.surfaces import Chains, chains
 
 ROUND_OFF = 1e-13
 
@@ -53,16 +52,6 @@ def test_pair_nodes_holds_each_node_at_the_nearest_point_of_the_master() -> None
     np.testing.assert_allclose(feet, points, atol=2e-5)
     normal = pieces.normal[pieces.multiplier[:count, 0]]
     np.testing.assert_allclose(((view.at.slave - feet) * normal).sum(axis=1), distance, atol=1e-8)
-
-
-def test_pair_nodes_weighs_nodes_by_the_integrals_of_their_shape_functions() -> None:
-    for order in (1, 2):
-        at = flat(order=order)
-        pieces, count, _ = paired(at)
-        assert count == len(at.slave.nodes)
-        expected = consistent_loads(at, at.slave, -9.0, 9.0)[at.slave.nodes]
-        for matrix in (pieces.D, pieces.T, pieces.M):
-            np.testing.assert_allclose(matrix[:count].sum(axis=1).ravel(), expected, atol=ROUND_OFF)
 
 
 def test_pair_nodes_finds_the_closest_point_of_a_parabola() -> None:
@@ -140,19 +129,3 @@ def test_pair_nodes_stays_with_its_segment_until_another_is_nearer_by_two_hundre
         held = pieces.master[list(pieces.slave[:count, 0]).index(1)]
         np.testing.assert_array_equal(np.sort(held), np.sort(view.master.segments[int(last) - 1]))
         assert memory[0, 1] == last
-
-
-@pytest.mark.parametrize("order", [1, 2])
-def test_node_lengths_are_the_integrals_of_shape_functions(order: int) -> None:
-    at = flat(full=False, order=order) if order == 2 else curved()
-    x, surface = at.nodes[at.slave.nodes], at.slave
-    edge = x[surface.segments[:, 1]] - x[surface.segments[:, 0]]
-    lengths, out = np.hypot(*edge.T), np.zeros(len(x))
-    node_lengths(x, surface, lengths, out)
-    expected = np.zeros(len(x))
-    for s, length in enumerate(lengths):
-        if order == 1:
-            expected[surface.segments[s]] += 0.5 * length
-        else:  # Simpson's rule over the edge, of which the segment is one half
-            expected[surface.edges[surface.segment_edge[s, 0]]] += length * np.array([1.0, 1.0, 4.0]) / 6.0
-    np.testing.assert_allclose(out, expected, atol=ROUND_OFF)
