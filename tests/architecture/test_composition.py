@@ -141,7 +141,7 @@ def happened(name: str, arrays: bool = True, plugins: str = "") -> dict[str, Any
     return dict(found)
 
 
-ALWAYS = {"loaded", "static"}
+ALWAYS = {"loaded"}
 
 
 @pytest.mark.parametrize("name", some(CASES, ALWAYS))

@@ -172,7 +172,10 @@ def working(modules: Iterable[str]) -> set[str]:
 NODES = {"contacts.0.algorithm": "node-on-segment"}
 
 
-@pytest.mark.parametrize("changes", [{}, pytest.param(NODES, marks=pytest.mark.full), COULOMB])
+FULL = pytest.mark.full
+
+
+@pytest.mark.parametrize("changes", [pytest.param({}, marks=FULL), pytest.param(NODES, marks=FULL), COULOMB])
 def test_a_run_imports_the_packages_that_explain_lists(changes: dict[str, Any]) -> None:
     wanted = scene(SHORT | changes)
     packages = {row.package for row in explain(wanted, default_registry()).modules}
@@ -189,5 +192,5 @@ def test_a_run_without_contact_or_report_imports_neither() -> None:
 
 def test_a_small_explicit_run_imports_no_solvers_of_scipy() -> None:
     """Neither for its pace nor for its kernels nor to judge its end: they take a fifth of a second to be imported."""
-    modules = imported(scene({"bodies.disc.mesh.cells": [12, 3], "bodies.block.mesh.cells": [18, 3]}))
+    modules = imported(scene({"bodies.disc.mesh.cells": [8, 2], "bodies.block.mesh.cells": [12, 2]}))
     assert not {"scipy.sparse", "scipy.spatial", "scipy.special"} & modules  # numba takes scipy.linalg for its BLAS

@@ -49,7 +49,9 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark one of two tests that differ in the basis of the mortar alone as long."""
     here = {item.nodeid: item for item in items if item.path.is_relative_to(Path(__file__).parent)}
     others = {name: name.replace(*MORTARS) for name in here if MORTARS[0] in name}
-    for turn, pair in enumerate((name, other) for name, other in others.items() if other in here):
+    both = ((name, other) for name, other in others.items() if other in here)
+    whole = [pair for pair in both if not any(here[name].get_closest_marker("full") for name in pair)]
+    for turn, pair in enumerate(whole):
         here[pair[turn % 2]].add_marker("full")
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tiers import some
 
 import contactlab
 from contactlab.contact.implicit_system import ImplicitContactSystem
@@ -83,9 +84,12 @@ def pressed(algorithm: str, *, friction: bool, wedge: bool, swap: bool = False, 
     return results
 
 
+EDGES = [(False, False, "q1"), (False, True, "q1"), (True, False, "q1"), (True, True, "q1"), (True, True, "q2")]
+
+
 @pytest.mark.parametrize(
     ("wedge", "friction", "element"),
-    [(False, False, "q1"), (False, True, "q1"), (True, False, "q1"), (True, True, "q1"), (True, True, "q2")],
+    some(EDGES, [(False, True, "q1"), (True, False, "q1"), (True, True, "q2")]),
 )
 def test_a_block_on_an_edge_is_pressed_as_the_corner_alone_demands(wedge: bool, friction: bool, element: str) -> None:
     """With sides exchanged, nodes of the edge on segments of the block hold exactly what the corners do."""

@@ -79,7 +79,7 @@ def later(times: dict[str, Any], factor: float) -> dict[str, Any]:
 @pytest.mark.parametrize(
     ("how", "integrator", "factor"),
     [(how, use, factor) for use, factor in (("central-difference", 1.0), ("newton", 3.0 / LATE)) for how in TIMES]
-    + [("duration", IMPLICIT, 0.3)],
+    + [pytest.param("duration", IMPLICIT, 0.3, marks=pytest.mark.full)],
 )
 def test_an_automatic_end_does_not_cut_a_support(how: str, integrator: Any, factor: float, pressed: float) -> None:
     """1 %: what reactions may still swing by when a run is called settled is 2e-4."""
@@ -89,7 +89,10 @@ def test_an_automatic_end_does_not_cut_a_support(how: str, integrator: Any, fact
     assert force(results) == pytest.approx(pressed, rel=0.01)
 
 
-@pytest.mark.parametrize(("integrator", "end"), [("central-difference", LATE), ("newton", 3.0), (IMPLICIT, 0.3 * LATE)])
+@pytest.mark.parametrize(
+    ("integrator", "end"),
+    [("central-difference", LATE), ("newton", 3.0), pytest.param(IMPLICIT, 0.3 * LATE, marks=pytest.mark.full)],
+)
 def test_an_automatic_end_does_not_cut_loads_gravity_and_overlaps(integrator: Any, end: float) -> None:
     """A load of 1 on a length of 2 and a weight of 4; an overlap of 0.01 as statics have it without times."""
     sides = [HELD, {"on": "u.left", "ux": 0.0}]
@@ -269,7 +272,10 @@ def test_steps_end_where_a_function_turns_and_where_an_effect_is_over() -> None:
 
 @pytest.mark.parametrize(
     ("fixed", "key"),
-    [({"integrator": {"use": "newton", "steps": 10}}, "integrator.steps"), ({"step": 0.1}, "time.step")],
+    [
+        ({"integrator": {"use": "newton", "steps": 10}}, "integrator.steps"),
+        pytest.param({"step": 0.1}, "time.step", marks=pytest.mark.full),
+    ],
 )
 def test_steps_that_the_scene_fixes_too_few_are_told_with_the_sampling(fixed: dict[str, Any], key: str) -> None:
     scene = dragged(0.25, **fixed)

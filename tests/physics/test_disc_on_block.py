@@ -76,14 +76,17 @@ def test_shallow_on_few_cells(runs: Runs, algorithm: str, swap: bool) -> None:
 
 @pytest.mark.parametrize(
     ("make", "algorithm", "swap"),
-    [(still, algorithm, swap) for algorithm in MORTARS for swap in (False, True)] + [(keys, "mortar-p1", False)],
+    [(still, algorithm, swap) for algorithm in MORTARS for swap in (False, True)]
+    + [pytest.param(keys, "mortar-p1", False, marks=pytest.mark.full)],
 )
 def test_shallow(runs: Runs, make: Callable[..., dict[str, Any]], algorithm: str, swap: bool) -> None:
     """Force within 0.3 % and pressure within 5 %: six cells over the half width of contact."""
     check_shallow(runs(make(SHALLOW, 4, algorithm, swap)), 0.003, 0.05)
 
 
-@pytest.mark.parametrize(("algorithm", "make"), [("mortar-p0", still), ("mortar-p1", keys)])
+@pytest.mark.parametrize(
+    ("algorithm", "make"), [("mortar-p0", still), pytest.param("mortar-p1", keys, marks=pytest.mark.full)]
+)
 def test_shallow_converges(runs: Runs, algorithm: str, make: Callable[..., dict[str, Any]]) -> None:
     """Halving the cells takes a third or more off the pressure error and half off the force error."""
     reference = load_reference("disc-on-block-shallow-other-code")

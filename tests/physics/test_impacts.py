@@ -160,9 +160,9 @@ def unlike(enforcement: dict[str, Any], steps: int, angle: float = 0.0) -> tuple
 @pytest.mark.parametrize(
     ("enforcement", "steps", "angle"),
     [
-        ({"use": "penalty"}, 50, 0.0),
+        pytest.param({"use": "penalty"}, 50, 0.0, marks=pytest.mark.full),
         ({"use": "penalty"}, 100, 37.0),
-        ({"use": "penalty", "factor": 1.0}, 100, 0.0),
+        pytest.param({"use": "penalty", "factor": 1.0}, 100, 0.0, marks=pytest.mark.full),
         ({"use": "linear-pressure", "factor": 100.0}, 100, 0.0),
     ],
 )

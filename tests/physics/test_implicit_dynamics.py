@@ -21,9 +21,10 @@ from statics.bars import (
     strip,
     wall_impact,
 )
+from tiers import some
 
 
-@pytest.mark.parametrize(("courant", "phase"), [(1.0, 0.5), (5.0, 0.0), (5.0, 0.5)])
+@pytest.mark.parametrize(("courant", "phase"), some([(1.0, 0.5), (5.0, 0.0), (5.0, 0.5)], [(5.0, 0.0), (5.0, 0.5)]))
 def test_contact_takes_the_energy_of_the_node_and_gives_none(courant: float, phase: float) -> None:
     """The stopped node is 1/2N of the bar. Arrival half-way through a step stops what a wave reaches in it as well:
     (1 + courant^2)^(1/2) nodes, from the impedance of a chain under the trapezoidal rule."""

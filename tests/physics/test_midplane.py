@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from contactlab_segments.midplane import Midplane
+from tiers import some
 
 from contactlab import load_scene, simulate
 from contactlab.contact.potential_pair import differences
@@ -177,7 +178,7 @@ def test_reactions_and_pressures_of_a_disc_approach_those_of_a_mortar() -> None:
     assert error["midplane", 2] < 0.6 * error["midplane", 1]
 
 
-@pytest.mark.parametrize("factor", [0.1, 10.0])
+@pytest.mark.parametrize("factor", some([0.1, 10.0], [0.1]))
 def test_a_tenth_and_ten_times_the_stiffness_run(factor: float) -> None:
     """Overlaps are inverse to it, and so is the difference of the reaction from that of a mortar."""
     depth = {"supports.1.uy.to": -0.1581}

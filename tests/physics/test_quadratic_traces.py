@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from contactlab_mortar.mortar import MortarP0, MortarP1
+from tiers import some
 
 from contactlab.api import ContactAlgorithm
 from contactlab.contact.operator_pair import OperatorPair
@@ -156,7 +157,7 @@ def test_deep_disc_agrees_with_bilinear_elements(algorithm: str) -> None:
     assert saw_tooth(results.contact["contacts.0"].last) < 0.02
 
 
-@pytest.mark.parametrize("swap", [False, True], ids=["disc slave", "block slave"])
+@pytest.mark.parametrize("swap", some([False, True], [False]), ids=["disc slave", "block slave"])
 @pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1"])
 def test_shear_that_sticks_has_no_saw(algorithm: str, swap: bool) -> None:
     """Shear under friction 0.2 against nine-node elements on the same mesh.

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tiers import some
 
 from contactlab.parts.registry import default_registry
 from contactlab.run.simulation import simulate
@@ -45,7 +46,12 @@ def every() -> Iterator[tuple[str, str]]:
             yield name, integrator
 
 
-@pytest.mark.parametrize(("algorithm", "integrator"), list(every()))
+IN_TIME = [("gauss-point", "implicit-dynamics"), ("node-on-segment", "central-difference")]
+
+
+@pytest.mark.parametrize(
+    ("algorithm", "integrator"), some(every(), [pair for pair in every() if "newton" in pair] + IN_TIME)
+)
 def test_slips_of_all_steps_add_up_to_the_drag(algorithm: str, integrator: str, tmp_path: Path) -> None:
     """On a flat floor the slips of a node that never leaves it add up to its motion, to single precision of each."""
     results = simulate(dragged(algorithm, integrator), tmp_path / "run")
@@ -88,7 +94,13 @@ def kinds() -> Iterator[tuple[dict[str, Any], str, bool]]:
         yield {"algorithm": {"use": "gauss-point", "passes": 2}, "enforcement": SPRINGS}, element, False
 
 
-@pytest.mark.parametrize(("algorithm", "element", "smooth"), list(kinds()))
+def tiers() -> Iterator[Any]:
+    """Of each algorithm one element in every tier, by turns, and of what is smooth or has two passes one of both."""
+    for number, kind in enumerate(kinds()):
+        yield pytest.param(*kind, marks=() if number % 4 in (0, 3) else pytest.mark.full)
+
+
+@pytest.mark.parametrize(("algorithm", "element", "smooth"), list(tiers()))
 def test_the_record_of_the_last_step_is_the_curve_of_the_end(
     algorithm: dict[str, Any], element: str, smooth: bool, tmp_path: Path
 ) -> None:

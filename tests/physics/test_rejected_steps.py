@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tiers import some
 
 import contactlab
 from contactlab.api import Floats, Integrator, StepStatus
@@ -46,8 +47,14 @@ def undisturbed(scene: Scene, dt: float, steps: int) -> list[Floats]:
     return states
 
 
-@ALGORITHMS
-@pytest.mark.parametrize("use", ["newton", "implicit-dynamics"])
+EACH = [
+    (name, use) for name in ("mortar-p0", "mortar-p1", "node-on-segment") for use in ("newton", "implicit-dynamics")
+]
+
+
+@pytest.mark.parametrize(
+    ("algorithm", "use"), some(EACH, [("mortar-p1", "newton"), ("node-on-segment", "implicit-dynamics")])
+)
 def test_steps_that_fail(algorithm: str, use: str) -> None:
     """Failing for want of iterations, for too long a step, and after its iteration has begun to converge."""
     law = {"use": "power-law", "strength": 348.0, "prestrain": 0.02, "exponent": 0.03}

@@ -109,7 +109,7 @@ def test_results_do_not_depend_on_the_scale_of_the_contact_stiffness(algorithm: 
 @pytest.mark.parametrize(
     ("algorithm", "swap", "level"),
     [(algorithm, swap, 1) for algorithm in ("mortar-p0", "mortar-p1") for swap in (False, True)]
-    + [("mortar-p0", False, 2), pytest.param("mortar-p1", True, 2, marks=pytest.mark.full)],
+    + [pytest.param(*fine, 2, marks=pytest.mark.full) for fine in (("mortar-p0", False), ("mortar-p1", True))],
 )
 def test_coulomb_friction_does_not_depend_on_the_number_of_load_steps(algorithm: str, swap: bool, level: int) -> None:
     """Deep with mu = 0.2: 10 and 40 steps agree within 0.1 %."""

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tiers import some
 
 import contactlab
 from contactlab.results.results import Results
@@ -30,7 +31,7 @@ def reaction(results: Results) -> float:
 
 
 @FRICTION
-@pytest.mark.parametrize("factor", [10.0, 1e3])
+@pytest.mark.parametrize("factor", some([10.0, 1e3], [10.0]))
 def test_augmented_lagrangian_ends_at_exact_multipliers(factor: float, mu: float) -> None:
     """To the tolerance of the iteration, 1e-8, times the contraction that is left with the softest springs."""
     exact, found = disc("active-set", mu=mu), disc("augmented-lagrangian", factor, mu)

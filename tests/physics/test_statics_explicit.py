@@ -33,7 +33,7 @@ def pressure_difference(a: ContactCurve, b: ContactCurve) -> float:
         pytest.param(FRICTION, "mortar-p0", False, 20, id="elastic-friction", marks=pytest.mark.full),
         pytest.param(FRICTION, "mortar-p1", True, 20, id="elastic-friction-swapped"),
         # flow that turns is of second order in the load step: of first order it would need 80 for as much
-        pytest.param(PLASTIC, "mortar-p0", False, 30, id="power-law"),
+        pytest.param(PLASTIC, "mortar-p0", False, 30, id="power-law", marks=pytest.mark.full),
     ],
 )
 def test_explicit_and_static_runs_agree(changes: dict[str, Any], algorithm: str, swap: bool, steps: int) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from contactlab_solids.power_law import PowerLaw
+from tiers import some
 
 import contactlab
 from contactlab.scene.scene import Scene
@@ -36,7 +37,7 @@ def reaction(element: str, steps: int) -> Any:
     return np.array(results.summary["reactions"]["block.bottom"])
 
 
-@pytest.mark.parametrize("element", ["q1", "q1-fbar"])
+@pytest.mark.parametrize("element", some(["q1", "q1-fbar"], ["q1-fbar"]))
 def test_flow_that_turns_is_of_second_order_in_the_load_step(element: str, monkeypatch: pytest.MonkeyPatch) -> None:
     exact = reaction(element, 200)
     size = np.linalg.norm(exact)
