@@ -300,3 +300,28 @@ def test_a_block_that_meets_another_gives_it_its_momentum() -> None:
 def test_what_it_cannot_do_is_refused(changes: dict[str, Any], words: str) -> None:
     with pytest.raises(RequestError, match=words):
         build(blocks(**changes), default_registry())
+
+
+def test_facets_of_a_roll_are_told_with_the_force_that_they_take() -> None:
+    """A roll of short segments has the force that one of long ones lacks: chords lie within the circle."""
+    block = {"use": "rectangle", "x": [-6.0, -1.5, 1.5, 6.0], "y": [-4.0, 0.0], "cells": [[4, 12, 4], 5]}
+    roll = {"arc": {"centre": [0.0, 5.0], "radius": 5.0, "angles": [160.0, 500.0]}}
+    told, force = {}, {}
+    for segment in (0.5, 0.1):
+        data = {
+            "integrator": "newton",
+            "materials": {"m": {"use": "neo-hookean", "young": YOUNG, "poisson": 0.3, "density": 1e-6}},
+            "bodies": {"block": {"element": "q1", "material": "m", "mesh": block}},
+            "rigid": {"roll": {**roll, "segment": segment, "uy": {"ramp": "linear", "to": -0.08}}},
+            "contacts": [{"slave": "block.top", "master": "roll", "algorithm": "midplane"}],
+            "supports": [{"on": "block.bottom", "ux": 0.0, "uy": 0.0}],
+            "record": {"frames": 2, "recorders": []},
+        }
+        results = run(Scene.from_data(data))
+        told[segment] = {w.code: w.value for w in results.warnings}.get("kept-gap", 0.0)
+        force[segment] = results.summary["contacts"]["contacts.0"]["resultant"][1]
+    missing = 1.0 - force[0.5] / force[0.1]
+    assert missing > 0.03
+    # between nodes the chords are as deep on average as at nodes that meet them here and there
+    assert told[0.5] == pytest.approx(missing, rel=0.3)
+    assert told[0.1] == 0.0

@@ -145,13 +145,17 @@ class PotentialPair(GapPair):
 
     def force_derivative(self, size: int) -> Any:
         """Derivative (size, size) of all its forces by the degrees of freedom of the model."""
-        total = self._second(self.potential.hessian, self.potential.gradient, "hessian")
+        total = self.stiffness()
         if self.friction is not None:
             rub = self.potential
             total = total + self._second(rub.friction_hessian, rub.friction_gradient, "friction_hessian")
         entries = total.tocoo()
         place = self.dof[entries.row], self.dof[entries.col]
         return coo_array((-entries.data, place), shape=(size, size)).tocsr()
+
+    def stiffness(self) -> Any:
+        """Second derivative (2n, 2n) of the energy by the positions of its nodes at the last `evaluate`."""
+        return self._second(self.potential.hessian, self.potential.gradient, "hessian")
 
     def _second(self, given: Any, gradient: Any, method: str) -> Any:
         found = given(self.view, self.at_nodes)

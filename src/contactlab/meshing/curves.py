@@ -35,6 +35,11 @@ def distances_to_curve(points: Floats, surface: Surface, position: Floats, refer
     return np.concatenate([np.zeros(0), *(_distances(part, surface, position, depths) for part in parts)])
 
 
+def distances_to_facets(points: Floats, surface: Surface, position: Floats, reference: Floats) -> Floats:
+    """The same to the facets of that curve."""
+    return _distances(points, surface, position, np.zeros_like(facet_depths(surface, reference)))
+
+
 def nearest_segments(points: Floats, surface: Surface, position: Floats) -> tuple[Ints, Floats]:
     """Segments (n,) of a surface nearest to points (n, 2), and where (n,) on their lines the points' feet are.
 

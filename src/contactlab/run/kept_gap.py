@@ -2,7 +2,8 @@
 
 A gap averaged over the segments of a node is zero before the node touches a side that curves away by as much, and a
 node on a facet lies within the curve. In statics the equations at the end say what such distances change: they are
-solved for gaps that close by them.
+solved for gaps that close by them. A potential has no gaps to close: it sees nodes moved along their forces by as much
+as the curve of the other side is in front of its facets, and of nodes that stand off these.
 """
 
 from __future__ import annotations
@@ -13,10 +14,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from scipy.sparse.linalg import splu
 
-from contactlab.meshing.curves import distances_to_curve
+from contactlab.contact.potential_pair import PotentialPair
+from contactlab.meshing.curves import distances_to_curve, distances_to_facets
 from contactlab.run.stability import linearised
 
 if TYPE_CHECKING:
+    from contactlab.api import Floats, Ints
     from contactlab.contact.pair import ContactPair
     from contactlab.model.implicit_model import ImplicitModel
 
@@ -38,6 +41,26 @@ class KeptGap(NamedTuple):
     moved: float
 
 
+class _Distances(NamedTuple):
+    """Distances of one pair's nodes.
+
+    nodes  (n,) of the model
+    apart  (n,) [mm] what each is off the curve, negative within it
+    push   (n, 2) [N] forces of a potential on its nodes, inwards; without one (n,) those of the conditions
+    """
+
+    pair: ContactPair
+    nodes: Ints
+    apart: Floats
+    push: Floats
+
+    @property
+    def work(self) -> float:
+        """What closing them all takes [mJ]."""
+        size = self.push if self.push.ndim == 1 else np.hypot(*self.push.T)
+        return float(size @ np.abs(self.apart))
+
+
 def kept_gaps(model: ImplicitModel, pairs: list[ContactPair], stored: float) -> Iterator[KeptGap]:
     """Pairs whose force kept distances change by more than 1 %; if none, the widest one where they move bodies so far.
 
@@ -46,30 +69,73 @@ def kept_gaps(model: ImplicitModel, pairs: list[ContactPair], stored: float) -> 
             which takes a factorisation
     """
     assert model.contact is not None
-    force = np.maximum(0.0, model.state["multipliers"][0])
-    apart = np.zeros_like(force)
-    for pair in pairs:
-        pressed = np.flatnonzero(force[pair.own])
-        own = pair.slave.nodes[pressed % len(pair.slave.nodes)]
-        points = model.position[own]
-        apart[pair.own][pressed] = distances_to_curve(points, pair.master, model.position, model.reference)
-    apart -= np.where(force > 0.0, model.contact.conditions.gap, 0.0)  # what a penalty leaves
-    if not force @ np.abs(apart) > HIGH * stored > 0.0:
+    found = [_of_potential(model, pair) if isinstance(pair, PotentialPair) else _of_gaps(model, pair) for pair in pairs]
+    if not sum(one.work for one in found) > HIGH * stored > 0.0:
         return
     equations = linearised(model)
-    closing = np.where(equations.conditions < 0, 0.0, apart[equations.conditions])
+    closing, forces = np.zeros(len(model.state["multipliers"][0])), np.zeros(model.reference.size)
+    for one in found:
+        if isinstance(one.pair, PotentialPair):
+            np.subtract.at(forces, one.pair.dof, one.pair.stiffness() @ _shift(one))
+        else:
+            closing[one.pair.own] = one.apart
+    closing = np.where(equations.conditions < 0, 0.0, closing[equations.conditions])
     n = equations.matrix.shape[0] - len(closing)
     try:
-        change = splu(equations.matrix).solve(np.concatenate([np.zeros(n), closing]))
+        change = splu(equations.matrix).solve(np.concatenate([forces[equations.free], closing]))
     except RuntimeError:
         return  # a motion that nothing resists
-    added = np.zeros_like(force)
+    motion, added = np.zeros(model.reference.size), np.zeros(len(model.state["multipliers"][0]))
+    motion[equations.free] = change[:n]
     added[equations.conditions[equations.conditions >= 0]] = -change[n:][equations.conditions >= 0]
     moved = float(np.abs(change[:n]).max()) / float(np.abs(model.state["displacement"]).max())
-    shares = [float(added[pair.own].sum() / force[pair.own].sum()) for pair in pairs]
-    widest = max(pairs, key=lambda pair: float(np.abs(apart[pair.own]).max()))
-    for pair, share in zip(pairs, shares, strict=True):
-        if abs(share) > HIGH or (pair is widest and moved > HIGH and not any(np.abs(shares) > HIGH)):
-            furthest = int(np.abs(apart[pair.own]).argmax())
-            node = pair.slave.nodes[furthest % len(pair.slave.nodes)]
-            yield KeptGap(pair, node, float(apart[pair.own][furthest]), share, moved)
+    shares = [_share(one, motion, added) for one in found]
+    widest = max(found, key=lambda one: float(np.abs(one.apart).max()))
+    for one, share in zip(found, shares, strict=True):
+        if abs(share) > HIGH or (one is widest and moved > HIGH and not any(np.abs(shares) > HIGH)):
+            furthest = int(np.abs(one.apart).argmax())
+            yield KeptGap(one.pair, int(one.nodes[furthest]), float(one.apart[furthest]), share, moved)
+
+
+def _of_gaps(model: ImplicitModel, pair: ContactPair) -> _Distances:
+    """Distances of the nodes of conditions that press, 0 of others."""
+    assert model.contact is not None
+    force = np.maximum(0.0, model.state["multipliers"][0, pair.own])
+    nodes, apart = pair.slave.nodes[np.arange(len(force)) % len(pair.slave.nodes)], np.zeros(len(force))
+    pressed = np.flatnonzero(force)
+    points = model.position[nodes[pressed]]
+    apart[pressed] = distances_to_curve(points, pair.master, model.position, model.reference)
+    apart -= np.where(force > 0.0, model.contact.conditions.gap[pair.own], 0.0)  # what a penalty leaves
+    return _Distances(pair, nodes, apart, force)
+
+
+def _of_potential(model: ImplicitModel, pair: PotentialPair) -> _Distances:
+    """How far pushed nodes of both sides lie within the other curve, but for how far they lie within its facets."""
+    apart = np.zeros(len(pair.nodes))
+    pushed = pair.pushed.any(axis=1)
+    of_slave = np.arange(len(apart)) < len(pair.slave.nodes)
+    for own, other in ((of_slave, pair.master), (~of_slave, pair.slave)):
+        pressed = np.flatnonzero(own & pushed)
+        points = model.position[pair.nodes[pressed]], other, model.position, model.reference
+        off, within = distances_to_facets(*points), distances_to_curve(*points)
+        apart[pressed] = np.minimum(within - off + np.maximum(off - pair.opened, 0.0), 0.0)
+    return _Distances(pair, pair.nodes, apart, pair.pushed)
+
+
+def _shift(one: _Distances) -> Floats:
+    """Motion (2n,) [mm] of nodes along their forces, inwards, that closes what a potential does not see."""
+    return np.asarray(-one.apart[:, None] * _inward(one.push)).ravel()
+
+
+def _inward(push: Floats) -> Floats:
+    size = np.hypot(*push.T)[:, None]
+    return np.asarray(np.divide(push, size, out=np.zeros_like(push), where=size > 0.0))
+
+
+def _share(one: _Distances, motion: Floats, added: Floats) -> float:
+    """Of the force on the slave what distances add, where closing them moves nodes by `motion` (2N,) [mm]."""
+    if not isinstance(one.pair, PotentialPair):
+        return float(added[one.pair.own].sum() / one.push.sum())
+    m = len(one.pair.slave.nodes)
+    more = (one.pair.stiffness() @ (motion[one.pair.dof] + _shift(one))).reshape(-1, 2)[:m]
+    return -float((more * _inward(one.push[:m])).sum() / np.hypot(*one.push[:m].T).sum())
