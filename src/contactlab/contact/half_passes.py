@@ -84,14 +84,6 @@ class HalfPassResponse(PressureResponse):
 class HalfPassSystem(ImplicitContactSystem):
     """Pairs of which some are half passes: friction is booked by both, half from each."""
 
-    def dissipation(self) -> float:
-        """Energy [mJ] that friction takes in the step; see `contactlab.api.ImplicitContact`."""
-        if not self.friction:
-            return 0.0
-        c = self.conditions
-        work = np.where(c.present, c.force[1] * c.slip, 0.0)
-        return -sum(pair.share * float(work[pair.own].sum()) for pair in self.passes)
-
     def directions(self, chosen: Ints) -> tuple[Any, Any]:
         """Nothing along which motion would be stopped: impulses on one side alone would change momentum."""
         none = csr_array((len(chosen), self.start.size))

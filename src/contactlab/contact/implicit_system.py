@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 HELD = 0.1  # flexibility along the surface over that of the node: chains end with the normal of half a facet's turn
 SAME = 1e-3  # segment lengths along the surface: meshes of both sides begin at one cut, but for round-off and strains
 STILL = 1e-9  # segment lengths: supports that move both sides together
+ROUND_OFF = 1e-9  # of a bound: a force so near to it slides
 SETTLED = 1e-5  # of the largest bound: what bounds that follow slips may still change by
 
 
@@ -67,6 +68,7 @@ class ImplicitContactSystem:
             linearised(pair, nodes, follows_gaps, self.consistent) for pair in pairs if not pair.by_energy
         )
         self.conditions = _conditions(pairs, state["multipliers"], self.friction)
+        self.started = np.zeros_like(state["multipliers"])
         self.pace = 1.0
         self.freedom = np.ones(state["multipliers"].shape[1])
         self.start = np.zeros((nodes, 2))
@@ -117,6 +119,7 @@ class ImplicitContactSystem:
         for linear in self.linear:
             linear.begin(self.state.time, position, middle)
         self.conditions.anchor[:] = self.conditions.force
+        self.started[:] = self.conditions.force
 
     def _release(self, time: float) -> None:
         """Free multipliers, at once or by and by: what one comes free by changes gaps and forces at once."""
@@ -249,10 +252,37 @@ class ImplicitContactSystem:
 
     def dissipation(self) -> float:
         """Energy [mJ] that friction takes in the step; see `contactlab.api.ImplicitContact`."""
-        c = self.conditions
-        # what is not there may have no slip
-        sliding = -float(c.force[1] @ np.where(c.present, c.slip, 0.0)) if self.friction else 0.0
-        return sliding + sum(pair.dissipation() for pair in self.potentials)
+        return self._rubbed(self.conditions.force[-1]) + sum(pair.dissipation() for pair in self.potentials)
+
+    def _rubbed(self, shear: Floats) -> float:
+        """Energy [mJ] that tangential forces (k,) [N] take over the slips of the step; half from each of two passes."""
+        if not self.friction:
+            return 0.0
+        work = np.where(self.conditions.present, shear * self.conditions.slip, 0.0)
+        return -sum(pair.share * float(work[pair.own].sum()) for pair in self.passes)
+
+    def friction_along_the_way(self) -> tuple[float, float]:
+        """Energy [mJ] that friction takes in a load step, and how much of it the mean of both ends' forces lacks.
+
+        Surfaces that begin to slide or turn back within the step slide at the bound from there on: at the lower one of
+        both ends, or at the force of the start where that lies between the bounds.
+        """
+        potentials = sum(pair.dissipation() for pair in self.potentials)
+        if not self.friction:
+            return potentials, 0.0
+        c, (normal, shear) = self.conditions, self.started
+        bounds = np.stack([self._bounds(normal), self._bounds(c.force[0])])
+        slides, way = np.abs(c.force[1]) >= bounds[1] * (1.0 - ROUND_OFF), -np.sign(c.slip)
+        start = np.where(slides, way * np.clip(way * shear, bounds.min(axis=0), bounds.max(axis=0)), shear)
+        taken = self._rubbed(0.5 * (start + c.force[1]))
+        return taken + potentials, taken - self._rubbed(0.5 * (shear + c.force[1]))
+
+    def _bounds(self, normal: Floats) -> Floats:
+        """Friction bounds (k,) [N] at normal forces (k,) [N]."""
+        coefficient, adhesion, cap = self.conditions.bound
+        adhesive = np.where(self.conditions.present, adhesion * self.conditions.measure, 0.0)
+        capped = np.minimum(adhesive, np.where(np.isfinite(cap), cap, 0.0) * normal)
+        return np.asarray(coefficient * normal + np.where(np.isfinite(cap), capped, adhesive))
 
     def scale(self, flexibility: Floats) -> None:
         """Nodal flexibilities from which contact stiffnesses follow."""

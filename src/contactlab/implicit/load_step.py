@@ -120,16 +120,16 @@ class LoadStep:
     def accept(self) -> None:
         """Book the step, and make the trial the state."""
         state, contact, own = self.state, self.equations.contact, self.contact_forces
-        slip = 0.0
+        rubbed = 0.0, 0.0
         if contact is not None:
             state["contact_force"][:] = own.total()
-            slip = contact.dissipation()
+            rubbed = contact.friction_along_the_way()
         held = self.equations.prescribed.dof
         reaction = state["reaction"].reshape(-1)
         reaction[:] = 0.0
         forces = self.external + (state["contact_force"] if contact is not None else 0.0)
         reaction[held] = (state["internal_force"] - forces).reshape(-1)[held]
-        self.ledger.end(self.external, own.normal, own.tangential, slip)
+        self.ledger.end(self.external, own.normal, own.tangential, rubbed)
         self.equations.accept()
 
     # --- Balance --------------------------------------------------------------------------------
@@ -157,7 +157,10 @@ class LoadStep:
 
 
 class Ledger:
-    """Books the work of every kind of force over a step by the trapezoidal rule, exact for forces linear in motion."""
+    """Books the work of every kind of force over a step by the trapezoidal rule, exact for forces linear in motion.
+
+    Friction is not, where surfaces begin to slide within a step: what it takes more, loads and supports give more.
+    """
 
     def __init__(self, state: State) -> None:
         self.state = state
@@ -173,8 +176,8 @@ class Ledger:
             tangential.copy(),
         ]
 
-    def end(self, external: Floats, normal: Floats, tangential: Floats, slip: float) -> None:
-        """Book the step that led from there to the state as it is."""
+    def end(self, external: Floats, normal: Floats, tangential: Floats, slid: tuple[float, float]) -> None:
+        """Book the step that led from there to the state as it is; see `friction_along_the_way` for `slid`."""
         state, work = self.state, self.state["work"]
         moved = state["displacement"] - self.displacement
         internal, reaction, loads, pressed, rubbed = self.before
@@ -183,7 +186,9 @@ class Ledger:
         work[CONTACT] += _work(pressed, normal, moved)
         if len(tangential):
             work[FRICTION] += _work(rubbed, tangential, moved)
-        work[SLIP] += slip
+        work[SLIP] += slid[0]
+        work[FRICTION] -= slid[1]
+        work[EXTERNAL] += slid[1]
 
 
 def _work(before: Floats, after: Floats, moved: Floats) -> float:
