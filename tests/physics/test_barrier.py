@@ -12,8 +12,9 @@ from contactlab_ipc import barrier
 from scipy.optimize import brentq
 
 from contactlab import load_scene, simulate
-from contactlab.api import Floats, Ints
+from contactlab.api import Floats, Ints, Setup
 from contactlab.api.frame import OPEN
+from contactlab.cases.run_case import run_case
 from contactlab.errors import RequestError
 from contactlab.model.build import build
 from contactlab.model.contact import potential_start
@@ -306,3 +307,10 @@ def test_without_the_toolkit_the_part_says_what_to_install(monkeypatch: pytest.M
     barrier._toolkit.cache_clear()
     with pytest.raises(RequestError, match="pip install ipctk"):
         scene.with_({"contacts.0.algorithm": "barrier"})
+
+
+def test_the_patch_test_converges_to_the_round_off_of_its_stiff_forces() -> None:
+    """Its tolerance of 1e-12 of the largest force is below what gaps, differences of positions, leave of them."""
+    case = default_registry().make("case", "patch")
+    _, done = run_case(case, Setup("barrier", element=case.elements[0], integrator=case.integrators[0]))
+    assert [record.status for record in done.values()] == ["finished"] * len(done)

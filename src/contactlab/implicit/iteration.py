@@ -240,7 +240,10 @@ class NewtonIteration:
 
     def _solved(self, given: Floats, left: float) -> tuple[Floats, Floats]:
         t = self.trial
-        return self.system.step(self.stiffness, t.force.reshape(-1), given, t.contact, t.response, left)
+        found = self.system.step(self.stiffness, t.force.reshape(-1), given, t.contact, t.response, left)
+        if t.contact is not None and t.contact.by_energy:
+            self.scales.add(self.system.potentials.reshape(t.u.shape))
+        return found
 
     def _hold(self) -> bool:
         """Let surfaces stick that touch without a force yet, as friction has no bound then; whether any do."""

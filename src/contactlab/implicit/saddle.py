@@ -78,7 +78,10 @@ def eliminate(response: Response) -> Elimination:
 
 
 class SaddleSystem:
-    """Assembles and solves Newton steps for one model."""
+    """Assembles and solves Newton steps for one model.
+
+    potentials  (2N,) [N/mm] diagonal of their stiffness in the last step that had any
+    """
 
     def __init__(self, reference: Floats, held: Ints) -> None:
         self.size = reference.size
@@ -91,6 +94,7 @@ class SaddleSystem:
         # entries of the stiffness between free degrees of freedom, and their number in each column of those
         self._inner: tuple[Indices, Indices] | None = None
         self.solver = ReusedFactor(reference[self.free // 2])
+        self.potentials = np.zeros(self.size)
 
     def step(
         self,
@@ -115,6 +119,8 @@ class SaddleSystem:
         plan = eliminate(response)
         if contact is not None and (len(plan.chosen) or contact.acts):
             derivatives = contact.linearise(plan.chosen.astype(np.int32))
+            if contact.by_energy:
+                self.potentials = np.abs(derivatives.force.diagonal())
             self._fill_rigid_rows(plan, derivatives, response)
             border = self._border(plan, derivatives)
             right = right + _explicit_forces(plan, derivatives)

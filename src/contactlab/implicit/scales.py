@@ -55,7 +55,7 @@ class Scales:
     size         [mm] of the undeformed model
     exact        [mm] round-off of positions
     floor        [N] forces below it are none; 0 until the first `update` of a step
-    round_off    (N, 2) [N] of the stresses, by node and direction
+    round_off    (N, 2) [N] of the forces of stresses and potentials, by node and direction
     flexibility  (N, 2) [mm/N] of single nodes, 0 where they are held
     """
 
@@ -76,6 +76,10 @@ class Scales:
         moved = min(float(np.abs(u).max()), AWAY * self.size)
         self.exact = ROUND_OFF * (self.farthest + moved)
         np.multiply(self.exact, stresses, out=self.round_off)
+
+    def add(self, potentials: Floats) -> None:
+        """Take in the stiffness (N, 2) [N/mm] of potentials, which follow gaps that are differences of positions."""
+        self.round_off += self.exact * potentials
 
     def residual(self, force: Floats, parts: tuple[Floats, ...], tolerance: float) -> float:
         """Largest unbalanced `force` (N, 2) of a free degree of freedom over the largest of the forces `parts`."""
