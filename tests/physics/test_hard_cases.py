@@ -52,10 +52,11 @@ CASES = default_registry().names("case")
 CELLS = [(name, algorithm) for name in CASES for algorithm in ("mortar-p0", "mortar-p1", "node-on-segment")]
 EVERY_TIME = {name for name, algorithm in SILENT if algorithm == "node-on-segment"} | {"forging", "nafems-cgs1"}
 """Cases of which the test says more of node-on-segment than what is on the page; all take part with FULL=1."""
-BY_NODES = {"corner-slide", "rocking-block", "vertex-to-vertex", "pulled-strip"}
+BY_NODES = {"rocking-block", "vertex-to-vertex", "pulled-strip"}
 """Cases for which node-on-segment stands in every tier; in all others the mortars take turns (conftest.py)."""
 LONG = {
     "block-on-incline": "test_shipped_scenes.py", "bouncing-bar": "test_implicit_dynamics.py",
+    "corner-slide": "test_leaning_forces.py",
     "disc-on-block": "test_disc_on_block.py", "disc-with-friction": "test_statics_disc.py",
     "forging": "test_rounded_billet.py", "initial-overlap": "test_even_compression.py",
     "mesh-ratio": "the case mesh-ladder", "resting-block": "test_shipped_scenes.py",

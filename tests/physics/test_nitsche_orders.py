@@ -168,7 +168,7 @@ def fine(problem: str) -> Run:
 VARIANTS = [(problem, element, theta) for problem in PROBLEMS for element in ORDERS for theta in (-1, 0, 1)]
 
 
-@pytest.mark.parametrize(("problem", "element", "theta"), some(VARIANTS, [VARIANTS[0], VARIANTS[4], VARIANTS[9]]))
+@pytest.mark.parametrize(("problem", "element", "theta"), some(VARIANTS, [VARIANTS[4], VARIANTS[9]]))
 def test_displacements_converge_with_the_order_of_the_best_approximation(
     problem: str, element: str, theta: int
 ) -> None:
