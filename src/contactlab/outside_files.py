@@ -55,7 +55,8 @@ def read_outside(
     except RequestError:
         raise
     except Exception as error:  # each unpacker has exceptions of its own
-        raise kind(f"the file cannot be read: {_reason(error)}", where=where, got=str(path), allowed=allowed) from error
+        reason = str(getattr(error, "strerror", None) or error).lower()
+        raise kind(f"the file cannot be read: {reason}", where=where, got=str(path), allowed=allowed) from error
     if len(content) > most:
         got = f"{path}: more than {most >> 20} MiB when it is unpacked"
         raise kind("the file is too large", where=where, got=got, allowed=allowed)
@@ -81,10 +82,6 @@ def _check(found: os.stat_result, path: Path, where: Where, allowed: str, most: 
     if found.st_size > most:
         got = f"{path}: {found.st_size / 2.0**20:.4g} MiB"
         raise kind("the file is too large", where=where, got=got, allowed=f"{allowed}, up to {most / 2.0**20:.4g} MiB")
-
-
-def _reason(error: Exception) -> str:
-    return str(getattr(error, "strerror", None) or error).lower()
 
 
 @contextmanager

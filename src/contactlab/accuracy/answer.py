@@ -68,7 +68,9 @@ def answer(trials: Trials) -> Chosen:
     met = trials.meeting(truth) if truth is not None else []
     finished = [place for place, trial in trials.all.items() if trial.finished]
     if met:
-        place = _cheapest(trials, met)
+        # of those that cost next to nothing the most accurate
+        cheap = [place for place in met if trials.cost(place) <= EQUAL]
+        place = min(cheap, key=lambda place: trials.errors(place[0])[place[1]]) if cheap else min(met, key=trials.cost)
     elif finished:
         place = _best_known(trials, finished, truth)
     else:
@@ -91,14 +93,6 @@ def answer(trials: Trials) -> Chosen:
         trials.name(configuration), level, trials.judged().what, truth.words if truth else "",
         truth.uncertainty if truth else math.nan, trials.spent,
     )  # fmt: skip
-
-
-def _cheapest(trials: Trials, met: Sequence[Place]) -> Place:
-    """The cheapest; of those that cost next to nothing the most accurate."""
-    cheap = [place for place in met if trials.cost(place) <= EQUAL]
-    if cheap:
-        return min(cheap, key=lambda place: trials.errors(place[0])[place[1]])
-    return min(met, key=trials.cost)
 
 
 def _best_known(trials: Trials, finished: Sequence[Place], truth: Truth | None) -> Place:

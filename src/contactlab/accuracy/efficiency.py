@@ -54,7 +54,11 @@ def best_error(nodes: Floats, exact: Profile, window: Window | None = None) -> f
     x = x[touching]
     if len(x) < 2:
         return np.nan
-    at, weights = _points(x, exact, low, high)
+    # Gauss points, two between neighbours of all break points: exact for products of both functions
+    breaks = np.unique(np.concatenate([x, exact.x, [low, high]]))
+    breaks = breaks[(breaks >= low) & (breaks <= high)]
+    lengths, middles = np.diff(breaks), 0.5 * (breaks[1:] + breaks[:-1])
+    at, weights = np.concatenate([middles - _GAUSS * lengths, middles + _GAUSS * lengths]), np.tile(0.5 * lengths, 2)
     wanted = exact(at)
     inside = (at >= x[0]) & (at <= x[-1])
     segment = np.clip(np.searchsorted(x, at[inside], side="right") - 1, 0, len(x) - 2)
@@ -65,14 +69,6 @@ def best_error(nodes: Floats, exact: Profile, window: Window | None = None) -> f
     found[inside] = values[segment] * shapes[0] + values[segment + 1] * shapes[1]
     norm = float(weights @ wanted**2)
     return float(np.sqrt(weights @ (found - wanted) ** 2 / norm)) if norm > 0.0 else np.nan
-
-
-def _points(x: Floats, exact: Profile, low: float, high: float) -> tuple[Floats, Floats]:
-    """Gauss points and weights, two between neighbours of all break points: exact for products of both functions."""
-    breaks = np.unique(np.concatenate([x, exact.x, [low, high]]))
-    breaks = breaks[(breaks >= low) & (breaks <= high)]
-    lengths, middles = np.diff(breaks), 0.5 * (breaks[1:] + breaks[:-1])
-    return np.concatenate([middles - _GAUSS * lengths, middles + _GAUSS * lengths]), np.tile(0.5 * lengths, 2)
 
 
 def _solved(segment: Ints, shapes: tuple[Floats, Floats], weights: Floats, wanted: Floats, count: int) -> Floats:

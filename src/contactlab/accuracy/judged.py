@@ -76,7 +76,9 @@ class Judge:
         """Pressures at the end of a run of the contacts that are judged; empty if it is none that can be."""
         curves = {int(name.partition(".")[2]): found[-1] for name, found in record.curves.items() if len(found)}
         if not self.lines:
-            self._begin(curves)
+            lines = {number: line for number, curve in curves.items() if (line := line_of(curve))}
+            size = {number: norm(line.profile(curves[number])) for number, line in lines.items()}
+            self.lines = {n: line for n, line in lines.items() if size[n] >= COUNTS * max(size.values())}
         found = {}
         for number, line in self.lines.items():
             try:
@@ -87,11 +89,6 @@ class Judge:
                 return {}
             found[number] = profile
         return found
-
-    def _begin(self, curves: Mapping[int, ContactCurve]) -> None:
-        lines = {number: line for number, curve in curves.items() if (line := line_of(curve))}
-        size = {number: norm(line.profile(curves[number])) for number, line in lines.items()}
-        self.lines = {n: line for n, line in lines.items() if size[n] >= COUNTS * max(size.values())}
 
     def apart(self, found: Pressures, other: Pressures) -> float:
         """Distance in L2 over the norm of the other, the largest of all contacts."""

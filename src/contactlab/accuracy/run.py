@@ -166,13 +166,14 @@ def _with_others(
     labels = list(dict.fromkeys(contender.label for contender in contenders(study, registry)))
     cases = [each.label for each in asked]
     seen = {(p.case, p.contender, p.slave, p.level) for p in done}
-    others = [named(t, status, OTHERS[status]) for line in lines for t in line.tasks if _place(t) not in seen]
+    others = [
+        named(t, status, OTHERS[status])
+        for line in lines
+        for t in line.tasks
+        if (t.choice.label, t.contender.label, t.slave, t.level) not in seen
+    ]
     points = sorted([*done, *others], key=lambda p: (cases.index(p.case), labels.index(p.contender), p.slave, p.level))
     return Accuracy(study, asked, labels, points, jobs)
-
-
-def _place(task: Task) -> tuple[str, str, str, int]:
-    return task.choice.label, task.contender.label, task.slave, task.level
 
 
 def plan(study: CaseStudy, registry: Registry) -> tuple[list[Asked], list[LineTasks]]:

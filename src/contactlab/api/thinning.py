@@ -48,7 +48,9 @@ def thinned(rows: Iterable[tuple[np.ndarray, np.ndarray]], last: int, most: int,
     recent, tally = 0, np.zeros((2, 64), np.int64)  # older steps by their largest divisor 2^k, and those with changes
     for steps, changed in rows:
         older = steps <= until
-        power = _powers_of_two(steps[older])
+        # the largest k for which 2^k divides each step; 63 of step 0
+        divisor = steps[older] & -steps[older]
+        power = np.where(divisor > 0, np.frexp(divisor.astype(float))[1] - 1, 63)
         recent += int(np.count_nonzero(~older))
         tally += [np.bincount(power, minlength=64), np.bincount(power[changed[older]], minlength=64)]
     while True:
@@ -60,9 +62,3 @@ def thinned(rows: Iterable[tuple[np.ndarray, np.ndarray]], last: int, most: int,
             stride *= 2
         else:
             changes *= 2
-
-
-def _powers_of_two(steps: np.ndarray) -> np.ndarray:
-    """The largest k (n,) for which 2^k divides each step; 63 of step 0."""
-    divisor = steps & -steps
-    return np.where(divisor > 0, np.frexp(divisor.astype(float))[1] - 1, 63)

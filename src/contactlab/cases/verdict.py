@@ -106,14 +106,12 @@ def verdict_of(
     if measure.met(value):
         return "met"
     warned = bool(codes & set(measure.codes))
-    silent = measure.role == "invariant" or (measure.role == "error" and _far_off(measure, value))
+    silent = measure.role == "invariant" or (
+        measure.role == "error" and not SILENT_FROM * measure.least <= value <= SILENT_FROM * measure.most
+    )
     if silent and status == "finished" and guarded and not warned:
         return "silent"
     return "missed"
-
-
-def _far_off(measure: Measure, value: float) -> bool:
-    return not SILENT_FROM * measure.least <= value <= SILENT_FROM * measure.most
 
 
 def worst(verdicts: Sequence[Verdict]) -> Verdict:

@@ -48,7 +48,11 @@ def cited_in(folder: Path, registry: Registry) -> dict[str, Any]:
     parts: dict[str, dict[str, str]] = {}
     for key, text in used:
         name, _, package = text.removesuffix(")").partition(" (")
-        source = _source(kind_at(Scene, tuple(key.split("."))), name, registry)
+        # none where the part is not installed
+        try:
+            source = registry.offer(kind_at(Scene, tuple(key.split("."))) or "", name).part.reference
+        except PartError:
+            source = ""
         parts.setdefault(f"{name} {package}", {"name": name, "package": package, "cite": source})
     libraries = ", ".join(f"{name} {versions[name]}" for name in LIBRARIES[1:] if name in versions)
     own = str(scene.get("source", ""))
@@ -66,14 +70,6 @@ def literature(texts: Iterable[str]) -> dict[str, str]:
     known = tomllib.loads(files("contactlab").joinpath("data/literature.toml").read_text(encoding="utf-8"))
     named = [work.strip() for text in texts for work in text.split(";")]
     return {key: full for key, full in sorted(known.items()) if any(work.startswith(key) for work in named)}
-
-
-def _source(kind: str | None, name: str, registry: Registry) -> str:
-    """What the part names as its source; none where it is not installed."""
-    try:
-        return registry.offer(kind or "", name).part.reference
-    except PartError:
-        return ""
 
 
 def _reference(name: str | None, scene: Mapping[str, Any], registry: Registry) -> dict[str, str] | None:

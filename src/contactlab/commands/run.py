@@ -14,7 +14,6 @@ from contactlab.run.folders import results_folder
 from contactlab.scene.scene import Scene, load_scene
 
 if TYPE_CHECKING:
-    from contactlab.results.results import Results
     from contactlab.run.simulation import Progress
 
 EXIT_STATUS = {"finished": 0, "refused": 2, "interrupted": 130}
@@ -44,7 +43,11 @@ def run(options: argparse.Namespace) -> int:
         print_json({"folder": str(folder), **results.summary})
         return status
     if options.quiet:
-        _print_problems(results)
+        # failure and warnings are all that a quiet run prints
+        if results.status != "finished":
+            print(visible(f"contactlab: {results.status}: {results.reason}"), file=sys.stderr)
+        for warning in results.warnings:
+            print(visible(f"contactlab: warning ({warning.code}): {warning.text}"), file=sys.stderr)
         return status
     # libraries that draw tables are needed now, and not before the first step
     from contactlab.reports.run import print_run
@@ -55,14 +58,6 @@ def run(options: argparse.Namespace) -> int:
     if results.status in RESUMABLE and (folder / FILE).exists():
         out.say(f"go on with: {typed('run', options, '--out', str(folder), '--resume')}")
     return status
-
-
-def _print_problems(results: Results) -> None:
-    """Failure and warnings on standard error: all that a quiet run prints."""
-    if results.status != "finished":
-        print(visible(f"contactlab: {results.status}: {results.reason}"), file=sys.stderr)
-    for warning in results.warnings:
-        print(visible(f"contactlab: warning ({warning.code}): {warning.text}"), file=sys.stderr)
 
 
 @contextmanager

@@ -27,7 +27,10 @@ def runs(options: argparse.Namespace) -> int:
     for place in places:
         if options.folders and not place.is_dir():
             raise RequestError("there is no such folder", where="runs", got=str(place), allowed="a folder of runs")
-    found = folders_in(places, _bundled())
+    from contactlab.scene.scene import bundled_scenes, load_scene
+
+    names = bundled_scenes()
+    found = folders_in(places, lambda name: load_scene(name).data if name in names else None)
     if options.remove:
         return _remove(_chosen(found, options.remove), options.yes)
     if options.json:
@@ -48,13 +51,6 @@ def runs(options: argparse.Namespace) -> int:
     total = _size(sum(folder.bytes for folder in found))
     out.print(f"{len(found)} folders, {total}; remove some: contactlab runs --remove NAME ...", highlight=False)
     return 0
-
-
-def _bundled() -> Any:
-    from contactlab.scene.scene import bundled_scenes, load_scene
-
-    names = bundled_scenes()
-    return lambda name: load_scene(name).data if name in names else None
 
 
 def changed_text(changes: Mapping[str, Any]) -> str:

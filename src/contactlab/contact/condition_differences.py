@@ -65,7 +65,12 @@ class ConditionDifferences:
                 move = chosen[:, None] * axis
                 high, low = (self._weights(found, order, sign * move, memory) for sign in (1.0, -1.0))
                 size = self.size[node][:, None]
-                value = _difference(high, here, low, STEP * size)
+                # central difference; one-sided where the other side lies beyond a kink, zero where both do
+                step = STEP * size
+                value = (high - low) / (2.0 * step)
+                value = np.where(np.isnan(low), (high - here) / step, value)
+                value = np.where(np.isnan(high), (here - low) / step, value)
+                value = np.nan_to_num(value)
                 kept = np.flatnonzero((node >= 0) & np.any(np.abs(value) > ROUND_OFF / size, axis=1))
                 entries.append(order[kept])
                 moved.append(2 * node[kept] + direction)
@@ -180,11 +185,3 @@ def _sizes(pair: GapPair) -> Floats:
         for end in surface.segments.T:
             np.minimum.at(size, surface.nodes[end], length)
     return np.where(np.isfinite(size), size, pair.size)
-
-
-def _difference(high: Floats, here: Floats, low: Floats, step: Floats) -> Floats:
-    """Central difference; one-sided where the other side lies beyond a kink, zero where both do."""
-    value = (high - low) / (2.0 * step)
-    value = np.where(np.isnan(low), (high - here) / step, value)
-    value = np.where(np.isnan(high), (here - low) / step, value)
-    return np.nan_to_num(value)

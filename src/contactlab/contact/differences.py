@@ -47,7 +47,12 @@ class DerivativesOfPieces:
         pair = self.pair
         if len(self.high.slave) < len(pair.pieces.slave):
             self.high, self.low = self._spare(), self._spare()
-        self._look(memory)
+        # Two views with positions and memory of their own, one for each side of a difference. They stay the same
+        # objects for all differences of a call, so that an algorithm binds its arrays to them once.
+        seen = self.pair.seen(memory)
+        self.shown = tuple(
+            seen._replace(at=SurfacePositions(*(x.copy() for x in seen.at)), memory=memory.copy()) for _ in range(2)
+        )
         owners = self._owners(memory)
         # every piece depends on at most so many coordinates; unmatched pieces stand twice
         width = 2 * sum(_period(nodes[: pair.count]) for nodes in (pair.pieces.slave, pair.pieces.master))
@@ -102,16 +107,6 @@ class DerivativesOfPieces:
                 out.normal_count = kernels.normal_differences(
                     self.high.normal, pair.pieces.normal, self.low.normal, owners, move, out.normal_count, normals
                 )
-
-    def _look(self, memory: Floats) -> None:
-        """Two views with positions and memory of their own, one for each side of a difference.
-
-        They stay the same objects for all differences of a call, so that an algorithm binds its arrays to them once.
-        """
-        seen = self.pair.seen(memory)
-        self.shown = tuple(
-            seen._replace(at=SurfacePositions(*(x.copy() for x in seen.at)), memory=memory.copy()) for _ in range(2)
-        )
 
     def _moved(self, which: int, side: int, chosen: Flags, direction: int, step: float, memory: Floats) -> int:
         """Pieces with some nodes moved, into `high` or `low`; the positions are as before then."""

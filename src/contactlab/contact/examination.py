@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contactlab.api import ContactView, Floats, GapConditions, Pieces
+from contactlab.api import ContactView, Floats, Pieces
 from contactlab.errors import WrongAnswer
 
 if TYPE_CHECKING:
@@ -64,7 +64,9 @@ def examine_pair(pair: ContactPair) -> None:
     if pieces is not None:
         _examine_pieces(pair, pieces, getattr(pair, "count", 0))
     elif found is not None:
-        _examine_conditions(pair, found)
+        for name in ("gap", "normal_weight", "tangent_weight", "measure"):
+            if not finite(getattr(found, name)) and finite(*pair.at):
+                refuse(pair.method, "conditions", f"an entry of {name}", f" in {pair.name}")
 
 
 def _examine_pieces(pair: ContactPair, pieces: Pieces, count: int) -> None:
@@ -84,9 +86,3 @@ def _examine_pieces(pair: ContactPair, pieces: Pieces, count: int) -> None:
             f"{type(pair.method).__name__}: pieces gave {count} pieces in {pair.name} whose T sums up to "
             f"{covered:g}, needed: integrals over the covered length"
         )
-
-
-def _examine_conditions(pair: ContactPair, found: GapConditions) -> None:
-    for name in ("gap", "normal_weight", "tangent_weight", "measure"):
-        if not finite(getattr(found, name)) and finite(*pair.at):
-            refuse(pair.method, "conditions", f"an entry of {name}", f" in {pair.name}")

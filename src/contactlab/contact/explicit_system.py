@@ -149,18 +149,15 @@ class ContactSystem:
         # extrapolating the normal forces of the last two steps saves a quarter of the sweeps
         extrapolate(self.multipliers[0], self.before)
         where = predicted, current, compliance, force
-        if self.cornered and self._at_corners():
+        # conditions that are taken at corners, or points there that can close, have no factored rows
+        if any(
+            corners.moved or (not points.idle and points.gaps[:, 0].min() <= self.margin)
+            for corners, points in self.cornered
+        ):
             if self.factored is not None:
                 self.factored.count = 0
             return self._solve_full(*where)
         return self._solve_factored(*where) or self._solve_full(*where)
-
-    def _at_corners(self) -> bool:
-        """Whether conditions are taken at corners, or points there can close: these have no factored rows."""
-        return any(
-            corners.moved or (not points.idle and points.gaps[:, 0].min() <= self.margin)
-            for corners, points in self.cornered
-        )
 
     def _solve_factored(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve | None:
         """By rows before their coupling is inverted; None where that cannot be."""

@@ -36,7 +36,9 @@ class HalfPassLinearisation(PairLinearisation):
     def linearise(self, chosen: Ints, y: Floats) -> ContactDerivatives:
         """As of a whole pass; forces on the master are left out."""
         found = super().linearise(chosen, y)
-        force = self._rows_of_slave(found.force.tocsr()) + TRACE * found.force.T
+        matrix = found.force.tocsr()
+        acts = np.repeat(self.own, np.diff(matrix.indptr))
+        force = csr_array((acts * matrix.data, matrix.indices, matrix.indptr), matrix.shape) + TRACE * found.force.T
         normal, gap = self._acting(found.normal, found.gap)
         tangent, slip = (None, None) if found.tangent is None else self._acting(found.tangent, found.slip)
         return ContactDerivatives(normal, tangent, gap, slip, force.tocsr())
@@ -46,10 +48,6 @@ class HalfPassLinearisation(PairLinearisation):
         along, change = along.tocsr(), change.tocsr()
         own = csr_array((self.own[along.indices] * along.data, along.indices, along.indptr), along.shape)
         return (own + TRACE * change).tocsr(), (change + TRACE * along).tocsr()
-
-    def _rows_of_slave(self, matrix: Any) -> Any:
-        acts = np.repeat(self.own, np.diff(matrix.indptr))
-        return csr_array((acts * matrix.data, matrix.indices, matrix.indptr), matrix.shape)
 
     def add_forces(self, multipliers: Floats, normal: Floats, tangential: Floats) -> None:
         """Add the nodal forces of the slave to (N, 2) each; the second is (0, 2) without friction."""

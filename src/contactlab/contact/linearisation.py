@@ -112,7 +112,9 @@ class PairLinearisation(Linearisation):
         y_n, y_t = parts_of(y, pair)
         normal, tangent = pair.normals, turned(pair.normals)
         traction = self._tractions(y_n, y_t)
-        inverse = self._inverse_transposed(chosen)
+        # the chosen rows of T^-T
+        self.inverse = self.pair.coupling.inverse_transposed(self.inverse)
+        inverse = entries(chosen, self.inverse, CUT)
         size = np.hypot(*traction.T)
         wanted = size > CUT * max(float(size.max(initial=0.0)), 1e-300)
         wanted[inverse[1]] = True
@@ -163,11 +165,6 @@ class PairLinearisation(Linearisation):
         for c in range(2):
             out[kept, c] = pair.coupling.solve(q[:, c])[kept]
         return out
-
-    def _inverse_transposed(self, chosen: Ints) -> tuple[Ints, Ints, Floats]:
-        """Entries (row, column, value) of the chosen rows of T^-T."""
-        self.inverse = self.pair.coupling.inverse_transposed(self.inverse)
-        return entries(chosen, self.inverse, CUT)
 
     def _weights(self, chosen: Ints) -> Any:
         """Rows 2 k + component of P by all degrees of freedom, for the chosen multipliers."""

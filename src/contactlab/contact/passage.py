@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contactlab.api import Floats, Ints, Surface
+from contactlab.api import Floats
 from contactlab.contact.pair import ContactPair
 from contactlab.kernels.contact.passing import find_passages
 
@@ -31,13 +31,9 @@ def first_passage(pairs: Iterable[ContactPair], before: Floats, after: Floats, d
     for pair in pairs:
         sides = (pair.slave, pair.master, pair.held), (pair.master, pair.slave, pair.size)
         for own, other, unit in sides:
-            points, chain = (_both(surface, before, after) for surface in (own, other))
+            points, chain = ((before[surface.nodes], after[surface.nodes], surface.nodes) for surface in (own, other))
             shares = find_passages(points, chain, other.segments, depth * unit)
             first = int(np.argmin(shares))
             if shares[first] < (found.share if found is not None else np.inf):
                 found = Passage(float(shares[first]), pair, int(own.nodes[first]))
     return found
-
-
-def _both(surface: Surface, before: Floats, after: Floats) -> tuple[Floats, Floats, Ints]:
-    return before[surface.nodes], after[surface.nodes], surface.nodes

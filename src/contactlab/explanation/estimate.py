@@ -58,22 +58,15 @@ def expected_length(scene: Scene, model: Model, schedule: Schedule) -> Expected:
 def _implicit(scene: Scene, model: Model, schedule: Schedule) -> Expected:
     steps = schedule.estimated_steps()
     linear = all(body.material.kinematics == "small" for body in model.bodies)
-    more = (CONTACT if model.contact is not None else 0.0) + (FRICTION if _rubs(scene) else 0.0)
+    rubs = any(contact.friction for contact in scene.contacts)
+    more = (CONTACT if model.contact is not None else 0.0) + (FRICTION if rubs else 0.0)
     usual = (LINEAR if linear else NONLINEAR) + more * (1.0 if schedule.skips else FOLLOWED)
     least, expected, most = (max(1.0, usual * factor) * steps for factor in ITERATIONS)
-    if not (bool(scene.loads or scene.effects) or _moved(model)):
+    prescribed = model.prescribed
+    moved = bool(np.any(prescribed.values(0.0).copy() != prescribed.values(model.timing.last)))
+    if not (scene.loads or scene.effects or moved):
         least = expected = 0.0
     return Expected(*(Length(steps, iterations) for iterations in (least, expected, most)))
-
-
-def _rubs(scene: Scene) -> bool:
-    return any(contact.friction for contact in scene.contacts)
-
-
-def _moved(model: Model) -> bool:
-    """Whether supports are."""
-    prescribed = model.prescribed
-    return bool(np.any(prescribed.values(0.0).copy() != prescribed.values(model.timing.last)))
 
 
 REPEATED = (0.85, 1.15)

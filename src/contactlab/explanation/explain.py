@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from contactlab.explanation.effect_table import Effect, effects_of
 from contactlab.explanation.estimate import Estimate, estimate
@@ -100,11 +100,16 @@ def explain(
     parts, and arrays are those before the first step.
     """
     model = build(scene, registry)
-    schedule = _schedule(model, scene)
+    from contactlab.run.prepare import schedule_of
+
+    schedule = schedule_of(model, scene)
     steps = schedule.estimated_steps()
     bound = model.bound_integrator().advance
     arrays = held_arrays(model, integrator=bound)
-    seconds = _seconds(trial, steps)
+    # until the first step is done, and of each further one
+    seconds = (
+        (math.nan, math.nan) if trial is None else (trial.import_s + trial.build_s + trial.first_step_s, trial.step_s)
+    )
     if trial is not None:
         arrays = list(trial.arrays)
     overview = Overview(
@@ -140,12 +145,6 @@ def explain(
     )
 
 
-def _schedule(model: Model, scene: Scene) -> Any:
-    from contactlab.run.prepare import schedule_of
-
-    return schedule_of(model, scene)
-
-
 def _history(model: Model, at_once: int) -> str:
     """By which keys the end depends on the loading path, and what the run makes of the path.
 
@@ -177,13 +176,6 @@ def _order(scene: Scene, attempts: Attempts) -> str:
     return "; ".join([f"auto: {use}{then}", *refused])
 
 
-def _seconds(trial: TrialRun | None, steps: int) -> tuple[float, float]:
-    """Until the first step is done, and of each further one."""
-    if trial is None:
-        return math.nan, math.nan
-    return trial.import_s + trial.build_s + trial.first_step_s, trial.step_s
-
-
 def used_parts(scene: Scene, registry: Registry) -> list[UsedPart]:
     """The scene's parts, and what its integrator adds where the scene names nothing."""
     from contactlab.parts.provenance import part_specs
@@ -199,7 +191,9 @@ def used_parts(scene: Scene, registry: Registry) -> list[UsedPart]:
 def calls_of(model: Model) -> Iterator[Call]:
     """Calls that a step makes into parts, as the model has bound them."""
     per = "step" if model.explicit else "iteration"
-    counts = _body_calls(model) | _contact_calls(model)
+    counts = _body_calls(model) | (
+        {} if model.contact is None else {**model.contact.calls_per_step(), "contact enforcement": 1}
+    )
     yield from (Call(name, count, per) for name, count in counts.items() if count)
     if model.loading.loads:
         yield Call("loads and effects", len(model.loading.loads), "step")
@@ -217,12 +211,6 @@ def _body_calls(model: Model) -> dict[str, int]:
         "element force": blocks,
         "element stabilisation": stabilised,
     }
-
-
-def _contact_calls(model: Model) -> dict[str, int]:
-    if model.contact is None:
-        return {}
-    return {**model.contact.calls_per_step(), "contact enforcement": 1}
 
 
 def packages_of(scene: Scene, registry: Registry) -> list[str]:

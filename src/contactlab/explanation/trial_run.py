@@ -123,17 +123,13 @@ def run_trial(scene: Scene, share: float = 0.0) -> TrialRun:
     request = pickle.dumps((sys.path, pickle.dumps(scene), share))
     done = subprocess.run([sys.executable, "-P", "-c", _FAR_END], input=request, capture_output=True, check=False)
     if done.returncode:
-        _build_here(scene)
+        # raises what stands in the way of the model itself, as a run would
+        from contactlab.model.build import build
+
+        build(scene, scene.registry)
         last = done.stderr.decode(errors="replace").strip().splitlines()[-1:] or ["no word"]
         raise SimulationFailure("failed", f"the first steps: {last[0]}")
     return TrialRun.from_data(json.loads(done.stdout.splitlines()[-1]))
-
-
-def _build_here(scene: Scene) -> None:
-    """Raise what stands in the way of the model itself, as a run would."""
-    from contactlab.model.build import build
-
-    build(scene, scene.registry)
 
 
 # --- in the other process ------------------------------------------------------------------------

@@ -98,7 +98,9 @@ class Archive:
         self._places: dict[str, dict[tuple[str, str], _Place]] = {table: {} for table in COLUMNS}
         try:
             self._file = _connected(path, write)
-            if _is_old(self._file):
+            # older tables of runs have no checksums
+            names = [row[1] for row in self._file.execute("pragma table_info(runs)")]
+            if names and b"crc" not in names:
                 self._file.close()
                 raise RequestError(
                     "the archive was made by an earlier version, which kept no checksums", where=str(path),
@@ -161,7 +163,8 @@ class Archive:
         if not self.damage:
             return
         fresh = self.path.with_name(f"{self.path.name}.new")
-        _removed(fresh)
+        for end in ("", "-wal", "-shm"):
+            fresh.with_name(fresh.name + end).unlink(missing_ok=True)
         with _connected(fresh, write=True) as file:
             _prepare(file)
             for table, places in self._places.items():
@@ -349,12 +352,6 @@ def _prepare(file: sqlite3.Connection) -> None:
     file.execute("pragma user_version = 2")
 
 
-def _is_old(file: sqlite3.Connection) -> bool:
-    """Whether there are tables of runs without checksums."""
-    names = [row[1] for row in file.execute("pragma table_info(runs)")]
-    return bool(names) and b"crc" not in names
-
-
 def _entries(file: sqlite3.Connection, table: str, size: int) -> Iterator[tuple[int, tuple[Any, ...] | None]]:
     """Numbers and columns of all rows of a table, None for one that cannot be read; `size` of the file in bytes."""
     try:
@@ -397,11 +394,6 @@ def _named(table: str, values: Sequence[Any]) -> str:
 
 def _text(value: Any) -> str:
     return value.decode(errors="replace") if isinstance(value, bytes) else str(value)
-
-
-def _removed(path: Path) -> None:
-    for end in ("", "-wal", "-shm"):
-        path.with_name(path.name + end).unlink(missing_ok=True)
 
 
 def _now() -> str:

@@ -285,16 +285,13 @@ class Driver:
             first()
         with suppress(Empty):
             waiting, future = self._events.get(timeout=LOOK)
-            self._prepared(waiting.run)
+            self._preparing.discard(waiting.run.composition)
+            if waiting.run.composition not in self._ready:
+                self._ready.add(waiting.run.composition)
+                self.progress.say("")
             if future is not None:
                 self._took(waiting, future)
         self._look()
-
-    def _prepared(self, run: Run) -> None:
-        self._preparing.discard(run.composition)
-        if run.composition not in self._ready:
-            self._ready.add(run.composition)
-            self.progress.say("")
 
     def _took(self, waiting: _Waiting, future: Future[bytes]) -> None:
         run = waiting.run
@@ -356,7 +353,13 @@ class Driver:
         if self._asked_to_stop and not self.interrupted:
             self.interrupted = True
             if self._under_way:
-                print(_waiting_for([waiting.run.name for waiting in self._under_way.values()]), file=sys.stderr)
+                names = [waiting.run.name for waiting in self._under_way.values()]
+                shown = ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
+                runs = f"{len(names)} run{'s' * (len(names) > 1)}"
+                print(
+                    f"contactlab: stopping, once {runs} saved the state: {shown} (Ctrl-C again ends what runs at once)",
+                    file=sys.stderr,
+                )
             for waiting in self._queue:
                 self._settle(waiting, ended("interrupted", NOT_BEGUN))
             self._queue.clear()
@@ -366,12 +369,6 @@ class Driver:
             print("contactlab: ending them at once; what was saved last is kept", file=sys.stderr, flush=True)
             self._asked_to_stop = 1
             self._pool.kill()
-
-
-def _waiting_for(names: list[str]) -> str:
-    shown = ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
-    runs = f"{len(names)} run{'s' * (len(names) > 1)}"
-    return f"contactlab: stopping, once {runs} saved the state: {shown} (Ctrl-C again ends what runs at once)"
 
 
 def _stored(key: str, run: Run, record: Record, content: bytes) -> StoredRun:

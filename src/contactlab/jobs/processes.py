@@ -228,7 +228,12 @@ class Process:
     def _death(self, error: BaseException) -> ProcessDiedError:
         self.used_up = True
         found = re.search(r"\{(\w+)\((-?\d+)\)", str(error))
-        return ProcessDiedError(": ".join([_how_it_ended(found), *_last_line(self._output)]))
+        # the last line that the process wrote, if any
+        try:
+            last = self._output.read_text(errors="replace").strip().splitlines()[-1:]
+        except OSError:
+            last = []
+        return ProcessDiedError(": ".join([_how_it_ended(found), *last]))
 
 
 def _how_it_ended(found: re.Match[str] | None) -> str:
@@ -240,14 +245,6 @@ def _how_it_ended(found: re.Match[str] | None) -> str:
         return f"the process left with exit status {code} before the run was over"
     hint = ", perhaps because memory ran out" if name == "SIGKILL" else ""
     return f"the process was killed by {name if name != 'UNKNOWN' else f'signal {-code}'}{hint}"
-
-
-def _last_line(output: Path) -> list[str]:
-    """Return the last line that a process wrote, if any."""
-    try:
-        return output.read_text(errors="replace").strip().splitlines()[-1:]
-    except OSError:
-        return []
 
 
 _changing = threading.Lock()

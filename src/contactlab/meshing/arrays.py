@@ -91,9 +91,13 @@ def mesh(points: Any, cells: Any = None, sets: Mapping[str, EdgeSet] | None = No
         parts = _parts(points, cells)
         parts.sets |= {name: _edges(value, parts.points) for name, value in (sets or {}).items()}
         parts.points = parts.points * scale
-        data = _data(parts)
+        if parts.cells.ndim != 2 or parts.cells.shape[1] not in CELLS:
+            raise ValueError(f"cells of shape {parts.cells.shape}, allowed: (n, 4), (n, 8) or (n, 9)")
+        sets = {name: value.tolist() for name, value in parts.sets.items()}
+        data = {"points": parts.points.tolist(), "cells": parts.cells.tolist(), "sets": sets}
         quads_of(_as_file(data), "", 1.0)
-        spec = _spec(data)
+        packed = zlib.compress(json.dumps(data, separators=(",", ":"), allow_nan=False).encode(), 9)
+        spec = MeshSpec({"use": "arrays", "content": base64.b64encode(packed).decode()})
     except (ValueError, TypeError, OverflowError, IndexError) as error:
         raise RequestError(
             f"no mesh can be made of this: {error}", where="contactlab.mesh", got=[points, cells, sets],
@@ -189,18 +193,6 @@ def _edges(value: EdgeSet, points: np.ndarray) -> np.ndarray:
     if len(found) and not (found.min() >= 0 and found.max() < len(points)):
         raise ValueError(f"an edge set names node {found.max()}, there are {len(points)}, counted from 0")
     return found
-
-
-def _data(parts: _Parts) -> dict[str, Any]:
-    if parts.cells.ndim != 2 or parts.cells.shape[1] not in CELLS:
-        raise ValueError(f"cells of shape {parts.cells.shape}, allowed: (n, 4), (n, 8) or (n, 9)")
-    sets = {name: value.tolist() for name, value in parts.sets.items()}
-    return {"points": parts.points.tolist(), "cells": parts.cells.tolist(), "sets": sets}
-
-
-def _spec(data: dict[str, Any]) -> MeshSpec:
-    packed = zlib.compress(json.dumps(data, separators=(",", ":"), allow_nan=False).encode(), 9)
-    return MeshSpec({"use": "arrays", "content": base64.b64encode(packed).decode()})
 
 
 def _as_file(data: Mapping[str, Any]) -> Any:

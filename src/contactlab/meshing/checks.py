@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactlab.api import Element, Floats, Ints, Mesh
+from contactlab.api import Element, Ints, Mesh
 from contactlab.errors import SceneError
 from contactlab.meshing.mesh import inverted_cells, jacobians
 
@@ -56,7 +56,10 @@ def _check_twice(mesh: Mesh, where: Where) -> None:
 
 
 def _check_areas(mesh: Mesh, element: Element, where: Where) -> None:
-    empty = np.flatnonzero(np.abs(_relative_areas(mesh, element)).max(axis=1) <= NO_AREA)
+    # determinants (n, q) at the quadrature points over the square of each cell's largest extent
+    extent = np.ptp(mesh.nodes[mesh.cells], axis=1).max(axis=1)
+    areas = np.asarray(jacobians(mesh, element, element.quadrature().points) / np.maximum(extent, 1e-150)[:, None] ** 2)
+    empty = np.flatnonzero(np.abs(areas).max(axis=1) <= NO_AREA)
     _refuse_cells(
         mesh, empty, where, "have no area", "cells whose corners do not lie on one line or in one place",
         "look for nodes that lie on each other",
@@ -78,12 +81,6 @@ def _refuse_cells(mesh: Mesh, found: np.ndarray, where: Where, what: str, allowe
             allowed=allowed,
             hint=hint,
         )
-
-
-def _relative_areas(mesh: Mesh, element: Element) -> Floats:
-    """Determinants (n, q) at the quadrature points over the square of each cell's largest extent."""
-    extent = np.ptp(mesh.nodes[mesh.cells], axis=1).max(axis=1)
-    return np.asarray(jacobians(mesh, element, element.quadrature().points) / np.maximum(extent, 1e-150)[:, None] ** 2)
 
 
 def _check_pieces(mesh: Mesh, where: Where) -> None:

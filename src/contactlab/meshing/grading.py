@@ -42,16 +42,12 @@ def axis(ends: tuple[float, ...], counts: Counts, ratios: Ratios, level: int) ->
     Within a span sizes form a geometric row. Corner nodes of level 1 are corner nodes of every level.
     """
     numbers = (counts,) if isinstance(counts, int) else counts
-    grades = _each(ratios, len(numbers))
+    given = (ratios,) if isinstance(ratios, int | float) else ratios
+    grades = given * len(numbers) if len(given) == 1 else given
     parts = [np.array([ends[0]])]
     for low, high, count, ratio in zip(ends[:-1], ends[1:], numbers, grades, strict=True):
         parts.append(low + (high - low) * shares(count, float(ratio), level)[1:])
     return Axis(np.concatenate(parts))
-
-
-def _each(ratios: Ratios, spans: int) -> tuple[float, ...]:
-    given = (ratios,) if isinstance(ratios, int | float) else ratios
-    return given * spans if len(given) == 1 else given
 
 
 def shares(count: int, ratio: float, level: int) -> Floats:

@@ -37,7 +37,11 @@ def refined(quads: Quads, element: Element, level: int) -> Mesh:
     grid = _subcells(element, level)
     cells = numbers[:, grid].reshape(-1, len(element.nodes))
     used, first = np.unique(cells, return_index=True)
-    place = _lattice_points(quads, steps)[:, grid].reshape(-1, 2)[first]
+    # positions (n, (steps + 1)^2, 2) of the lattice, by the cells' own shape functions
+    t = np.linspace(-1.0, 1.0, steps + 1)
+    xi, eta = (grid.ravel() for grid in np.meshgrid(t, t))
+    lattice = np.asarray(np.einsum("sa,nai->nsi", shapes(quads.cells.shape[1], xi, eta), quads.points[quads.cells]))
+    place = lattice[:, grid].reshape(-1, 2)[first]
     final = np.zeros(used[-1] + 1, np.int32)
     final[used] = np.arange(len(used))
     renumbered: Ints = final[cells]
@@ -72,13 +76,6 @@ def _lattice_numbers(corners: Indices, steps: int) -> Indices:
     start += (int(edge.max()) + 1) * inner
     numbers[:, 1:-1, 1:-1] = start + np.arange(n * inner * inner).reshape(n, inner, inner)
     return numbers.reshape(n, -1)
-
-
-def _lattice_points(quads: Quads, steps: int) -> Floats:
-    """Positions (n, (steps + 1)^2, 2) of the lattice, by the cells' own shape functions."""
-    t = np.linspace(-1.0, 1.0, steps + 1)
-    xi, eta = (grid.ravel() for grid in np.meshgrid(t, t))
-    return np.asarray(np.einsum("sa,nai->nsi", shapes(quads.cells.shape[1], xi, eta), quads.points[quads.cells]))
 
 
 def shapes(nodes: int, xi: Floats, eta: Floats) -> Floats:

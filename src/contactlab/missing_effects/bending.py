@@ -173,7 +173,10 @@ def jump_energy(forces: BodyForces, reference: Floats, displacement: Floats) -> 
     corners, areas, seen = np.zeros((4, len(reference))), np.zeros(len(reference)), []
     for bent in _bent(forces, reference, displacement):
         x, y = bent.along[..., 0], bent.along[..., 1]
-        parts = np.stack([x**2, y**2, np.full_like(x, _poisson(body)), x * y])
+        # Poisson's ratio of the undeformed material
+        ratio = body.shear_modulus / body.dilatational_modulus
+        poisson = (1.0 - 2.0 * ratio) / (2.0 - 2.0 * ratio)
+        parts = np.stack([x**2, y**2, np.full_like(x, poisson), x * y])
         # bending along xi is linear in eta, and the other way round
         own = [bent.mean + (parts * bent.bending * place[::-1]).sum(axis=2) for place in body.element.nodes]
         for nodes, stress in zip(bent.block.connectivity, own, strict=True):
@@ -197,12 +200,6 @@ def _elastic(body: Body, block: Block) -> Flags:
         return np.ones(block.connectivity.shape[1], np.bool_)
     flow = block.history[body.material.history_names.index(PLASTIC)]
     return np.asarray(~flow.reshape(body.points, -1).any(axis=0))
-
-
-def _poisson(body: Body) -> float:
-    """Poisson's ratio of the undeformed material."""
-    ratio = body.shear_modulus / body.dilatational_modulus
-    return (1.0 - 2.0 * ratio) / (2.0 - 2.0 * ratio)
 
 
 def _beam_modulus(body: Body) -> float:

@@ -49,7 +49,9 @@ class LargeStrain:
             works = _works(block)
             left_out += float(np.abs(works[0]) @ volume)
             energy += float(0.5 * np.abs(works[1]) @ volume)
-            torque += float(_torque(block) @ volume)
+            # per volume, of symmetric stresses that act on the undeformed body
+            (xx, xy, yx, yy), stress = block.gradient, block.stress
+            torque += float((stress[XX] * yx - stress[YY] * xy + stress[XY] * (yy - xx)) @ volume)
             moment += float((np.abs(block.stress[[XX, YY, XY, XY]]) @ volume).sum())
         np.maximum(self.worst[2:], (left_out, energy, abs(torque), moment), out=self.worst[2:])
 
@@ -93,12 +95,6 @@ def _works(block: Block) -> tuple[Floats, Floats]:
     return left_out, stress[XX] * xx + stress[YY] * yy + stress[XY] * (xy + yx)
 
 
-def _torque(block: Block) -> Floats:
-    """Torque (P,) [MPa] per volume of symmetric stresses that act on the undeformed body."""
-    (xx, xy, yx, yy), stress = block.gradient, block.stress
-    return np.asarray(stress[XX] * yx - stress[YY] * xy + stress[XY] * (yy - xx))
-
-
 class UnusedYieldStress:
     """`worst`: largest von Mises stress [MPa] of any point."""
 
@@ -108,7 +104,9 @@ class UnusedYieldStress:
     def update(self) -> None:
         """Keep the largest von Mises stress of the last accepted step."""
         for block in self.forces.current():
-            self.worst[0] = max(self.worst[0], float(_von_mises(block).max()))
+            s = block.stress
+            deviator = (s[XX] - s[YY]) ** 2 + (s[YY] - s[ZZ]) ** 2 + (s[ZZ] - s[XX]) ** 2
+            self.worst[0] = max(self.worst[0], float(np.sqrt(0.5 * deviator + 3.0 * s[XY] ** 2).max()))
 
     def warning(self) -> RunWarning | None:
         """Advise a plastic law where stresses exceed what the material is known to bear; None before."""
@@ -124,12 +122,6 @@ class UnusedYieldStress:
             f"{law.elastic_limit():.4g} and its law does not yield",
             _other_law(self.key, law.beyond.get("plasticity"), "a law that yields"),
         )
-
-
-def _von_mises(block: Block) -> Floats:
-    s = block.stress
-    deviator = (s[XX] - s[YY]) ** 2 + (s[YY] - s[ZZ]) ** 2 + (s[ZZ] - s[XX]) ** 2
-    return np.asarray(np.sqrt(0.5 * deviator + 3.0 * s[XY] ** 2))
 
 
 def _other_law(key: str, name: str | None, otherwise: str) -> str:

@@ -68,19 +68,34 @@ def _built(scene: Scene, registry: Registry) -> Model:
         scene, bodies, reference, mass, supports, integrator, history, lambda: _joints(plans, reference)
     )
     prescribed = supports.bind(timing.ramps)
-    _refuse_impossible(scene, bodies, rigid, reference, prescribed, timing.last)
+    if scene.contacts:
+        from contactlab.model.loading.approach import check_approach
+
+        check_approach(scene, bodies, rigid, reference, prescribed, timing.last)
     state = State(_shapes(len(reference), bodies, integrator, plans, made, timing))
-    position, increment = reference.copy(), _increment(bodies, len(reference))
-    forces = _bind_all(scene.threads, bodies, reference, position, increment, state, model_class.explicit)
+    position = reference.copy()
+    increment = np.zeros_like(reference) if any(b.material.kinematics == "rate" for b in bodies) else None
+    # the work of all bodies, dealt out to the threads one body after the other
+    arrays = (reference, position, increment, state, model_class.explicit)
+    bound: list[BodyForces] = []
+    for body in bodies:
+        bound.append(_bind(body, scene.threads, sum(len(before.blocks) for before in bound), *arrays))
+    forces = tuple(bound)
     _initial_velocity(scene, bodies, reference, mass, state, told)
     driven = any(supports.moving) or bool(scene.loads or scene.effects)
     contact = _contact(
         plans, bodies=bodies, forces=forces, reference=reference, position=position, state=state, mass=mass,
         held=prescribed.dof, ramp=timing.ramp, driven=driven,
     )  # fmt: skip
-    _split_work(scene, integrator, contact, state, reference)
+    if scene.record.contact_work and contact is not None:
+        from contactlab.contact.work_split import split_work
+
+        split_work(contact, integrator, state, reference, scene.where("record.contact_work"))
     effects = _effects(made, scene, registry, bodies, rigid, reference, state, told)
     loads = _loads(scene, bodies, reference, position, timing.ramps, told)
+    # the block calls of all bodies in the order in which they are made
+    calls = [call for body in forces for call in body.calls]
+    colours = [colour for body in forces for colour in body.colours]
     model = model_class(
         reference=reference,
         position=position,
@@ -93,7 +108,7 @@ def _built(scene: Scene, registry: Registry) -> Model:
         forces=forces,
         timing=timing,
         history=history,
-        updates=_updates(forces, scene.threads),
+        updates=in_order(calls, colours, [thread for body in forces for thread in body.block_threads], scene.threads),
         loading=Loading(supports.sets, (*loads, *effects), effects),
         increment=increment,
     )
@@ -162,26 +177,12 @@ def _joints(plans: tuple[Any, ...], reference: Floats) -> Joints:
     return touching(plans, reference)
 
 
-def _refuse_impossible(scene: Scene, *arguments: Any) -> None:
-    if scene.contacts:
-        from contactlab.model.loading.approach import check_approach
-
-        check_approach(scene, *arguments)
-
-
 def _contact(plans: tuple[Any, ...], **around: Any) -> Any:
     if not plans:
         return None
     from contactlab.model.contact.systems import Around, build_contact
 
     return build_contact(plans, Around(**around))
-
-
-def _split_work(scene: Scene, integrator: Integrator, contact: Any, state: State, reference: Floats) -> None:
-    if scene.record.contact_work and contact is not None:
-        from contactlab.contact.work_split import split_work
-
-        split_work(contact, integrator, state, reference, scene.where("record.contact_work"))
 
 
 def _loads(scene: Scene, *arguments: Any) -> Any:
@@ -259,10 +260,6 @@ def _shapes(
     return shapes | dict(integrator.memory(nodes))
 
 
-def _increment(bodies: tuple[Body, ...], nodes: int) -> Floats | None:
-    return np.zeros((nodes, 2)) if any(b.material.kinematics == "rate" for b in bodies) else None
-
-
 def _model_class(integrator: Integrator) -> type[Model]:
     if isinstance(integrator, ExplicitIntegrator):
         from contactlab.model.explicit_model import ExplicitModel
@@ -271,21 +268,6 @@ def _model_class(integrator: Integrator) -> type[Model]:
     from contactlab.model.implicit_model import ImplicitModel
 
     return ImplicitModel
-
-
-def _bind_all(threads: int, bodies: tuple[Body, ...], *arrays: Any) -> tuple[BodyForces, ...]:
-    """The work of all bodies, dealt out to the threads one body after the other."""
-    bound: list[BodyForces] = []
-    for body in bodies:
-        bound.append(_bind(body, threads, sum(len(before.blocks) for before in bound), *arrays))
-    return tuple(bound)
-
-
-def _updates(forces: tuple[BodyForces, ...], threads: int) -> tuple[Any, ...]:
-    """The block calls of all bodies in the order in which they are made."""
-    calls = [call for body in forces for call in body.calls]
-    colours = [colour for body in forces for colour in body.colours]
-    return in_order(calls, colours, [thread for body in forces for thread in body.block_threads], threads)
 
 
 def _bind(

@@ -113,7 +113,9 @@ def find_timing(
         return Timing(end, ramps.duration, end, because, 0.0, end, 0.0, 0.0, False, ramps, told=told)
     from contactlab.model.bodies.frequency import lowest_frequency
 
-    frequency = lowest_frequency(bodies, positions, mass, supports.dof, _directions(supports), joints())
+    # unit vectors along which supports move; both axes where none does
+    directions = np.eye(2)[[c for c in range(2) if supports.moving[c]] or [0, 1]]
+    frequency = lowest_frequency(bodies, positions, mass, supports.dof, directions, joints())
     if not math.isfinite(frequency):
         raise SceneError(
             "nothing can move: every degree of freedom is supported",
@@ -174,8 +176,3 @@ def _thrown(scene: Scene, damping: float, last: float) -> Iterator[RunWarning]:
                 f'bodies.{name}.{key}: a run with end = "auto" is quasi-static, and its damping ({damping:.3g} 1/s for '
                 f"{last:.3g} s) takes the initial motion away; write time.end in seconds, or time.damping = 0",
             )  # fmt: skip
-
-
-def _directions(supports: SupportPlan) -> Floats:
-    """Unit vectors (d, 2) along which supports move; both axes where none does."""
-    return np.eye(2)[[c for c in range(2) if supports.moving[c]] or [0, 1]]

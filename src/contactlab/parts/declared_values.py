@@ -29,7 +29,8 @@ def wrong_values(target: type) -> list[str]:
             continue
         allowed = _wanted(name, hint, value)
         if allowed:
-            found.append(f"its class attribute {name} is {_shown(value)}; allowed: {allowed}")
+            shown = show(value) if isinstance(value, str) else repr(value)[:80]
+            found.append(f"its class attribute {name} is {shown}; allowed: {allowed}")
     return found + ([] if found else _unnamed_history(target))
 
 
@@ -109,10 +110,6 @@ def _wanted_in_tuple(entry: Any, value: Any) -> str:
 
 def _whole(value: Any) -> bool:
     return isinstance(value, int | np.integer) and not isinstance(value, bool)
-
-
-def _shown(value: Any) -> str:
-    return show(value) if isinstance(value, str) else repr(value)[:80]
 
 
 def _unnamed_history(target: type) -> list[str]:

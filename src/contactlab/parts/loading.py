@@ -8,7 +8,7 @@ import os
 import re
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import redirect_stdout
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -242,11 +242,7 @@ def _line(error: BaseException, path: Path) -> str:
     """Where in the file the import stopped."""
     if isinstance(error, SyntaxError):
         return ""
-    lines = [frame.lineno for frame in _frames(error) if Path(frame.filename) == path]
-    return f" (line {lines[-1]})" if lines else ""
-
-
-def _frames(error: BaseException) -> Iterable[Any]:
     import traceback
 
-    return traceback.extract_tb(error.__traceback__)
+    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if Path(frame.filename) == path]
+    return f" (line {lines[-1]})" if lines else ""

@@ -102,7 +102,11 @@ class Registry:
         if wrong:
             wrong += self._incomplete_in(path.stem)
             self._plugins, self._broken, self._offers = before
-            raise PartError(_all_of(wrong), where=str(path))
+            told = [b.reason if b.item in b.reason else f"{b.item}: {b.reason}" for b in wrong]
+            raise PartError(
+                told[0] if len(told) == 1 else "\n  ".join([f"{len(told)} things are wrong with it", *told]),
+                where=str(path),
+            )
         self.files = (*self.files, path)
 
     def _incomplete_in(self, module: str) -> list[Broken]:
@@ -355,12 +359,6 @@ def _faults_of(part: Part) -> Iterator[str]:
         yield f'an integrator cannot be called "{AUTO}": scenes leave the choice to the run by this word'
     if not isinstance(part.target, str) or not _TARGET.fullmatch(part.target):
         yield f'the target "{part.target}" is not of the form package.module:ClassName'
-
-
-def _all_of(wrong: Sequence[Broken]) -> str:
-    """All reasons as a text, one a line where there are several."""
-    told = [b.reason if b.item in b.reason else f"{b.item}: {b.reason}" for b in wrong]
-    return told[0] if len(told) == 1 else "\n  ".join([f"{len(told)} things are wrong with it", *told])
 
 
 def _incomplete(offers: Iterable[Offer]) -> list[Broken]:

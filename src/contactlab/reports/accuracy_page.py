@@ -10,7 +10,6 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from contactlab.accuracy.evaluation import Evaluation
-from contactlab.accuracy.orders import Order
 from contactlab.accuracy.run import WAITING, Accuracy
 from contactlab.accuracy.targets import Cost, best_of
 from contactlab.jobs.system import commit, system_facts
@@ -64,6 +63,9 @@ def page(evaluated: Evaluation, figures: dict[str, Figure], pages: Mapping[Place
     found = evaluated.found
     style = (ASSETS / "accuracy.css").read_text(encoding="utf-8")
     script = (ASSETS / "accuracy.js").read_text(encoding="utf-8")
+    table = (
+        f"<details><summary>{len(evaluated.orders)} lines</summary>{orders_sheet(evaluated.orders).html()}</details>"
+    )
     sections = [
         f"<style>\n{style}</style>",
         _head(found),
@@ -73,7 +75,7 @@ def page(evaluated: Evaluation, figures: dict[str, Figure], pages: Mapping[Place
         explore_section(found, evaluated.lines, pages),
         figure_section(figures, "solved", "How much is answered in a given time", _SOLVED, narrow=True),
         _told("How near to the limit", _LIMITS, limits_sheet(found, evaluated.lines)),
-        _orders(evaluated.orders),
+        section("Orders of convergence", _ORDERS + table if evaluated.orders else ""),
         _told("Costs beside", "", beside_sheet(found, evaluated.lines)),
         _points(found, pages),
         _told("The cases and their references", "", references_sheet(found.asked)),
@@ -164,11 +166,6 @@ def _costs(found: Accuracy, costs: Sequence[Cost]) -> str:
     parts = "".join((*tabs, *tables))
     filtered = f'{_filter("targets", "contender")}<div class="targets" id="targets">{parts}</div>'
     return section("CPU seconds to an accuracy", f"{_COSTS}{style}{filtered}")
-
-
-def _orders(orders: Sequence[Order]) -> str:
-    table = f"<details><summary>{len(orders)} lines</summary>{orders_sheet(orders).html()}</details>"
-    return section("Orders of convergence", _ORDERS + table if orders else "")
 
 
 def _points(found: Accuracy, pages: Mapping[Place, str]) -> str:

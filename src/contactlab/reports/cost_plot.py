@@ -41,7 +41,17 @@ def cost_figure(table: Table, ax: Axes | None = None) -> Figure:
         _draw_uncertainty(axes, table)
         _legend(axes, table, chosen, slaves)
         if drawn:
-            _list_missing(axes, [row for row in table.rows if not _drawable(row)])
+            # name runs without a point below the plot; of many the first
+            missing = [row for row in table.rows if not _drawable(row)]
+            if missing:
+                told = [
+                    f"{series_of(row, missing)}, slave {row.slave}, level {row.level}: {row.status}"
+                    for row in missing[:_NAMED]
+                ]
+                names = "; ".join(told) + (f" and {len(missing) - _NAMED} more" if len(missing) > _NAMED else "")
+                axes.set_title(
+                    textwrap.fill(f"without a point: {names}", 110), fontsize=8.5, fontweight="normal", color=ALARM
+                )
         else:
             note(axes, "without a reference there is no error to draw")
     return figure
@@ -91,17 +101,13 @@ def _scales(axes: Axes, rows: Sequence[Row]) -> None:
     axes.set_yscale("log")
     for axis, text in ((axes.xaxis, significant), (axes.yaxis, percent)):
         values = [row["cpu_s" if axis is axes.xaxis else "pressure_error"] for row in rows]
-        axis.set_major_locator(LogLocator(subs=_subdivisions(values), numticks=12))
+        # enough labels on an axis that spans little
+        decades = math.log10(max(values) / min(values)) if values else 1.0
+        axis.set_major_locator(LogLocator(subs=(1.0,) if decades > 2.5 else (1.0, 2.0, 5.0), numticks=12))
         axis.set_major_formatter(FuncFormatter(lambda value, _, text=text: text(value, 1)))
         axis.set_minor_formatter(NullFormatter())
     axes.margins(0.09, 0.12)
     span_at_least(axes, _LEAST_RANGE)
-
-
-def _subdivisions(values: Sequence[float]) -> tuple[float, ...]:
-    """Put enough labels on an axis that spans little."""
-    decades = math.log10(max(values) / min(values)) if values else 1.0
-    return (1.0,) if decades > 2.5 else (1.0, 2.0, 5.0)
 
 
 def _draw_uncertainty(axes: Axes, table: Table) -> None:
@@ -136,11 +142,3 @@ def _legend(axes: Axes, table: Table, chosen: dict[str, Style], slaves: Sequence
         entries.append(Line2D([], [], color=INK, marker="x", linestyle="none", markersize=9, label="did not finish"))
     entries.append(Line2D([], [], linestyle="none", marker="$1$", color=MUTED, label="number: mesh level"))
     axes.legend(handles=entries, loc="center left", bbox_to_anchor=(1.01, 0.5), borderaxespad=0.0)
-
-
-def _list_missing(axes: Axes, rows: Sequence[Row]) -> None:
-    """Name runs without a point below the plot; of many the first."""
-    if rows:
-        told = [f"{series_of(row, rows)}, slave {row.slave}, level {row.level}: {row.status}" for row in rows[:_NAMED]]
-        names = "; ".join(told) + (f" and {len(rows) - _NAMED} more" if len(rows) > _NAMED else "")
-        axes.set_title(textwrap.fill(f"without a point: {names}", 110), fontsize=8.5, fontweight="normal", color=ALARM)

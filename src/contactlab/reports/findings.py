@@ -87,7 +87,12 @@ def sentence(table: Table) -> str:
 
 def _most_accurate(table: Table, rows: Sequence[Row]) -> str:
     """The most accurate run; where the reference cannot tell it from others, all of them, with the cheapest."""
-    alike = _alike(table, rows)
+    # Errors below three times the uncertainty of the reference are alike, and so are errors no further apart than twice
+    # that: each of them may be off by it.
+    known = table.reference.pressure_uncertainty if table.reference is not None else 0.0
+    known = 0.0 if math.isnan(known) else known
+    best = min(row["pressure_error"] for row in rows)
+    alike = [row for row in rows if row["pressure_error"] <= max(CLEAR * known, best + 2.0 * known)]
     best = min(alike, key=lambda row: row["cpu_s"])
     who = f"{series_of(best, table.main)} (slave {best.slave})"
     cost = f"{significant(best['cpu_s'], 2)} CPU seconds"
@@ -100,15 +105,3 @@ def _most_accurate(table: Table, rows: Sequence[Row]) -> str:
         f"{percent(known)} %: {span(_range(row['pressure_error'] for row in alike), '%')} from it. The cheapest of "
         f"these is {who}: {cost}."
     )
-
-
-def _alike(table: Table, rows: Sequence[Row]) -> list[Row]:
-    """The most accurate run and those that the reference cannot tell from it.
-
-    Errors below three times its uncertainty are alike, and so are errors no further apart than twice that: each of
-    them may be off by it.
-    """
-    known = table.reference.pressure_uncertainty if table.reference is not None else 0.0
-    known = 0.0 if math.isnan(known) else known
-    best = min(row["pressure_error"] for row in rows)
-    return [row for row in rows if row["pressure_error"] <= max(CLEAR * known, best + 2.0 * known)]

@@ -73,9 +73,7 @@ def machine_section(table: Table) -> str:
     """Processor, versions and parts, and how long all of it took."""
     facts = dict(table.rows[0].system) if table.rows else {}
     facts["whole comparison"] = f"{significant(table.wall_s, 3)} s of wall time, several runs at a time"
-    return section("Machine and versions", facts_list(facts) + _parts(table))
-
-
-def _parts(table: Table) -> str:
     parts = dict.fromkeys(f"{role}: {part}" for row in table.rows for role, part in dict(row.parts).items())
-    return "".join(f'<p class="note">{escape(part)}</p>\n' for part in parts)
+    return section(
+        "Machine and versions", facts_list(facts) + "".join(f'<p class="note">{escape(part)}</p>\n' for part in parts)
+    )

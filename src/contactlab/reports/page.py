@@ -61,11 +61,12 @@ def page(table: Table, figures: dict[str, Figure]) -> str:
     """The report as one HTML text that needs no other file."""
     chosen = styles(row.algorithm for row in table.rows)
     pressure = _PRESSURE if table.reference is None else _PRESSURE + _PRESSURE_REFERENCE
+    notes = dict.fromkeys(note for row in table.rows for note in row.notes)
     sections = [
         _head(table),
         _cards(table, chosen),
         figure_section(figures, "pressure", "Contact pressure", _MAP if is_map(table) else pressure),
-        section("All runs", _runs(table) + _notes(table)),
+        section("All runs", _runs(table) + "".join(f'<p class="note">{escape(note)}</p>\n' for note in notes)),
         figure_section(figures, "force", "Force against displacement", _FORCE, narrow=True),
         figure_section(figures, "error-against-cost", "What accuracy costs", _COST, narrow=True),
         figure_section(figures, "bodies", "The deformed bodies", _bodies_caption(table), narrow=True),
@@ -134,11 +135,6 @@ def _card(finding: Finding, style: Style, units: Units) -> str:
         + "".join(f"<dt>{name}</dt><dd>{span(values, unit)}</dd>" for name, values, unit in shown)
         + f'<dt>finished</dt><dd class="{state}">{finding.finished} of {finding.runs}</dd></dl></div>\n'
     )
-
-
-def _notes(table: Table) -> str:
-    notes = dict.fromkeys(note for row in table.rows for note in row.notes)
-    return "".join(f'<p class="note">{escape(note)}</p>\n' for note in notes)
 
 
 def _runs(table: Table) -> str:

@@ -40,7 +40,8 @@ class _Lines(Progress):
     def told(self, text: str) -> None:
         """Print a result with its number."""
         self._done += 1
-        self._print(f"{_counted(self._done, self._total)}{text}")
+        counted = "" if self._total is None else f"{self._done}/{self._total} "
+        self._print(f"{counted}{text}")
 
     def _print(self, text: str) -> None:
         self._console.say(text)
@@ -89,7 +90,3 @@ class _Bars(_Lines):
     def close(self) -> None:
         """Take all bars away."""
         self._bars.stop()
-
-
-def _counted(done: int, total: int | None) -> str:
-    return "" if total is None else f"{done}/{total} "

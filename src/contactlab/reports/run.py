@@ -61,7 +61,12 @@ def render_run(results: Results, scene: Mapping[str, Any]) -> RenderableType:
     lines.add_column()
     for name, text in _lines(results, scene):
         lines.add_row(Text(name), Text(text))
-    return Group(status, *reason, lines, *_warnings(results))
+    return Group(
+        status,
+        *reason,
+        lines,
+        *[Text.assemble((f"warning ({warning.code}): ", "bold yellow"), warning.text) for warning in results.warnings],
+    )
 
 
 def _lines(results: Results, scene: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
@@ -142,11 +147,6 @@ def _steps(summary: Mapping[str, Any]) -> str:
 
 def _with_unit(value: object, unit: str, digits: int = 5) -> str:
     return f"{significant(number(value), digits)} {unit}".rstrip()
-
-
-def _warnings(results: Results) -> list[Text]:
-    """Warnings of this run, each with its value and limit."""
-    return [Text.assemble((f"warning ({warning.code}): ", "bold yellow"), warning.text) for warning in results.warnings]
 
 
 def vector(force: Sequence[float], between: str = "  ") -> str:

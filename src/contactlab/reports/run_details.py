@@ -114,14 +114,11 @@ def _contact_lines(name: str, results: Results, scene: Mapping[str, Any], units:
         least, most = (significant(number(value), 3) for value in contact["stiffness"])
         yield "active-set parameter c", f"{least} to {most}", f"{units.line_force}/{units.length}"
     if scene.get("symmetry") == "x":
-        yield "mirror asymmetry of the pressure", percent(_asymmetry(results, name)), "%"
-
-
-def _asymmetry(results: Results, name: str) -> float:
-    try:
-        return mirror_asymmetry(Profile.of_curve(results.contact[name].last))
-    except (FoldedSurfaceError, LookupError):
-        return float("nan")
+        try:
+            asymmetry = mirror_asymmetry(Profile.of_curve(results.contact[name].last))
+        except (FoldedSurfaceError, LookupError):
+            asymmetry = float("nan")
+        yield "mirror asymmetry of the pressure", percent(asymmetry), "%"
 
 
 def _energy_lines(balance: Mapping[str, Any], units: Units) -> Iterator[Line]:

@@ -16,8 +16,13 @@ ROUND = 1e-9  # of the largest force: what linear solves leave at nodes that car
 def node_values(pair: ContactPair, seen: ContactSnapshot) -> dict[str, np.ndarray]:
     """Pressure and shear (m,) [MPa], gap (m,) [mm] and state (m,) of every slave node; see `ContactCurve`."""
     pressure, shear = (between(pair, per_node(pair, values)) for values in seen.tractions)
-    gap = between(pair, _node_gap(pair, seen.gaps))
-    state = _states_between(pair, states_of(pair, seen, friction_bound(pair, seen)))
+    lowest = by_slot(pair, seen.gaps).min(axis=0)
+    gap = between(pair, np.where(lowest < FAR, lowest, np.nan))
+    # a node without multiplier touches where a neighbour does, and slides where one does
+    states = states_of(pair, seen, friction_bound(pair, seen))
+    inner, following, preceding = pair.between
+    state = states.copy()
+    state[inner] = np.maximum(states[following], states[preceding])
     return {"pressure": pressure, "shear": shear, "gap": gap, "state": state}
 
 
@@ -57,19 +62,6 @@ def between(pair: ContactPair, values: Floats) -> Floats:
     inner, following, preceding = pair.between
     values[inner] = 0.5 * (values[following] + values[preceding])
     return values
-
-
-def _states_between(pair: ContactPair, states: Ints) -> Ints:
-    """States (m,): a node without multiplier touches where a neighbour does, and slides where one does."""
-    inner, following, preceding = pair.between
-    whole = states.copy()
-    whole[inner] = np.maximum(states[following], states[preceding])
-    return whole
-
-
-def _node_gap(pair: ContactPair, gaps: Floats) -> Floats:
-    lowest = by_slot(pair, gaps).min(axis=0)
-    return np.where(lowest < FAR, lowest, np.nan)
 
 
 def friction_bound(pair: ContactPair, seen: ContactSnapshot) -> Floats:

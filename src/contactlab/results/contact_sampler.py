@@ -108,7 +108,9 @@ def _compiled(model: Model, pair: OperatorPair, columns: dict[str, np.ndarray]) 
     contact: Any = model.contact
     slid, compliance = np.zeros(pair.slots), np.zeros_like(model.reference)
     bound = _bound(model, pair, columns, slid, compliance)
-    address, uncounted = bound.address, _uncounted(pair)
+    address = bound.address
+    # what share of the gaps of the start does not count
+    uncounted: Callable[[], float] = (lambda: 0.0) if pair.start_gaps is None else pair.start_gaps.uncounted
     own = pair.own
 
     def record(row: int) -> None:
@@ -125,11 +127,6 @@ def _compiled(model: Model, pair: OperatorPair, columns: dict[str, np.ndarray]) 
     chosen = record_implicit if hasattr(contact, "conditions") else record
     chosen.bound = bound  # type: ignore[attr-defined]  # keeps the addresses good
     return chosen
-
-
-def _uncounted(pair: ContactPair) -> Callable[[], float]:
-    """What share of the gaps of the start does not count."""
-    return (lambda: 0.0) if pair.start_gaps is None else pair.start_gaps.uncounted
 
 
 def _bound(

@@ -52,7 +52,10 @@ def of_elements(model: Model, layout: Layout) -> dict[str, dict[str, float]]:
     found: dict[str, dict[str, float]] = {}
     times = element_times(model)
     for body in layout.bodies:
-        names = {"law": _named(body.material, "materials.", layout), "stiffness": CORE}
+        # the law with its distribution, as the layout names it
+        known = (text for key, text in layout.parts.items() if key.startswith("materials."))
+        law = next((text for text in known if text.partition(" (")[0] == body.material), body.material)
+        names = {"law": law, "stiffness": CORE}
         names["element"] = layout.parts.get(f"bodies.{body.name}.element", body.element)
         for what, seconds in times.get(body.name, {}).items():
             of = found.setdefault(what, {})
@@ -69,12 +72,6 @@ def of_contact(model: Model, layout: Layout) -> dict[str, dict[str, float]]:
     solvers = dict.fromkeys(layout.parts.get(f"{c.name}.enforcement", usual) for c in layout.contacts)
     names = {"search": CORE, "integration": ", ".join(algorithms), "solution": ", ".join(solvers)}
     return {what: {names[what]: seconds} for what, seconds in contact_times(model.contact).items()}
-
-
-def _named(part: str, under: str, layout: Layout) -> str:
-    """The part with its distribution, as the layout names it."""
-    known = (text for key, text in layout.parts.items() if key.startswith(under))
-    return next((text for text in known if text.partition(" (")[0] == part), part)
 
 
 def _sum(a: Mapping[str, Any], b: Mapping[str, Any]) -> dict[str, Any]:

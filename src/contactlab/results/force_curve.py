@@ -77,7 +77,7 @@ def force_curve(history: Mapping[str, Floats], on: str, summary: Mapping[str, An
         raise RequestError("no such component", where="plot force", got=component, allowed=", ".join(COMPONENTS))
     moved, along = _motion(history, [on] if on in supports else supports) or _motion(history, supports) or ("", "")
     on = on or moved or _strongest(history, names)
-    component = component or along or _larger(history, on)
+    component = component or along or max("xy", key=lambda c: float(np.abs(history[f"{on}.f{c}"]).max(initial=0.0)))
     if component == "magnitude":
         force = np.hypot(history[f"{on}.fx"], history[f"{on}.fy"])
     else:
@@ -107,7 +107,3 @@ def _motion(history: Mapping[str, Floats], supports: list[str]) -> tuple[str, st
 
 def _strongest(history: Mapping[str, Floats], names: list[str]) -> str:
     return max(names, key=lambda on: float(np.hypot(history[f"{on}.fx"], history[f"{on}.fy"]).max(initial=0.0)))
-
-
-def _larger(history: Mapping[str, Floats], on: str) -> str:
-    return max("xy", key=lambda c: float(np.abs(history[f"{on}.f{c}"]).max(initial=0.0)))

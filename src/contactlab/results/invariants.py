@@ -164,22 +164,18 @@ def _kept(model: Model) -> Iterator[Invariant]:
         )  # fmt: skip
 
 
-def _half_passes(model: Model) -> bool:
-    return model.contact is not None and any(pair.half for pair in model.contact.pairs)
-
-
-def _balance(model: Model, limit: float, why: str) -> tuple[float, str]:
-    """A limit of momenta and its reason; of half passes one for what meshes resolve."""
-    if not _half_passes(model):
-        return limit, why
-    return max(limit, UNLIKE), "half passes press each side by its own gaps, which agree as far as the meshes resolve"
-
-
 def _kept_by_steps(model: Model) -> bool:
     """Whether steps that iterate keep angular momentum as exactly as they are solved."""
     turn = all(body.material.kinematics != "small" for body in model.bodies)
     paired = model.contact is None or model.contact.consistent
     return turn and paired and model.state["work"][WORK.index("numerical")] == 0.0
+
+
+def _balance(model: Model, limit: float, why: str) -> tuple[float, str]:
+    """A limit of momenta and its reason; of half passes one for what meshes resolve."""
+    if model.contact is None or not any(pair.half for pair in model.contact.pairs):
+        return limit, why
+    return max(limit, UNLIKE), "half passes press each side by its own gaps, which agree as far as the meshes resolve"
 
 
 def _symmetry(model: Model) -> Iterator[Invariant]:
@@ -214,7 +210,13 @@ def _contact(model: Model, pair: ContactPair, report: ContactReport, scale: floa
         apart = report.force_error(report.covered_integral)
         yield Invariant("resultant against integral of the pressure", "pressure-integral", pair.name, apart, limit, why)
     depth = report.max_penetration / pair.size
-    allowed = DEEP + (pressed_depth(curve) + _overlap(pair) + _by_law(model, report)) / pair.size
+    # the largest overlap of the start that counts as a gap of zero all the time
+    distance = pair.start_distance
+    overlap = 0.0 if distance is None else max(0.0, -float(distance.min(initial=0.0)))
+    # the deepest overlap that a pressure law of the scene asks for
+    pressed = report.curve.pressure > 0.0
+    by_law = max(0.0, -float(np.nanmin(report.curve.gap[pressed], initial=0.0))) if _has_law(model) else 0.0
+    allowed = DEEP + (pressed_depth(curve) + overlap + by_law) / pair.size
     yield Invariant(
         "largest penetration of either side in segments", "penetration", pair.name, depth, allowed,
         "facets, overlaps of the start or of a pressure law, and what weak conditions leave between nodes",
@@ -288,18 +290,6 @@ def _has_law(model: Model) -> bool:
     return model.contact is not None and hasattr(model.contact.enforcement, "law")
 
 
-def _by_law(model: Model, report: ContactReport) -> float:
-    """Deepest overlap [mm] that a pressure law of the scene asks for."""
-    pressed = report.curve.pressure > 0.0
-    return max(0.0, -float(np.nanmin(report.curve.gap[pressed], initial=0.0))) if _has_law(model) else 0.0
-
-
-def _overlap(pair: ContactPair) -> float:
-    """Largest overlap [mm] of the start that counts as a gap of zero all the time."""
-    distance = pair.start_distance
-    return 0.0 if distance is None else max(0.0, -float(distance.min(initial=0.0)))
-
-
 def _promised(pair: ContactPair, report: ContactReport) -> tuple[float, str]:
     """How far the integral of the pressure may be from the forces.
 
@@ -309,14 +299,11 @@ def _promised(pair: ContactPair, report: ContactReport) -> tuple[float, str]:
     curve = report.curve
     angle = angle_at_ends(curve, pair.at.master, pair.master.segments)
     turn = max(PLAIN, TURNS * largest_turn(curve) ** 2, END_TURNS * turn_at_ends(curve), AT_ENDS * angle)
-    if np.any(np.isnan(curve.gap) & (curve.pressure != 0.0)) or _differs(report):
+    # whether some multiplier stands for less length than its node has
+    apart: Floats = report.pressure_integral - report.covered_integral
+    differs = bool(np.hypot(*apart) > ROUND * np.hypot(*report.resultant))
+    if np.any(np.isnan(curve.gap) & (curve.pressure != 0.0)) or differs:
         return max(PARTLY, turn), "multipliers of segments that are covered in part are shown on whole ones"
     if pair.by_energy or not pair.method.passes_patch_test:
         return max(SPREAD + angle, turn), "nodal forces act along normals of the master, or of both, at corners, too"
     return turn, "of the same multipliers, along normals that differ by a segment's turn"
-
-
-def _differs(report: ContactReport) -> bool:
-    """Whether some multiplier stands for less length than its node has."""
-    apart: Floats = report.pressure_integral - report.covered_integral
-    return bool(np.hypot(*apart) > ROUND * np.hypot(*report.resultant))

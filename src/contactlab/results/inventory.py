@@ -63,10 +63,6 @@ def _kind(path: Path) -> str:
     return next((kind for name, kind in KINDS.items() if (path / name).is_file()), "")
 
 
-def _files(path: Path) -> list[Path]:
-    return [file for file in path.rglob("*") if file.is_file()]
-
-
 def _date(path: Path) -> float:
     return max((file.stat().st_mtime for file in path.iterdir() if file.is_file()), default=path.stat().st_mtime)
 
@@ -77,7 +73,7 @@ def _read(
     bundled: Callable[[str], Mapping[str, Any] | None],
     first: dict[str, Mapping[str, Any]],
 ) -> Folder:
-    size = sum(file.stat().st_size for file in _files(path))
+    size = sum(file.stat().st_size for file in path.rglob("*") if file.is_file())
     try:
         scene, changes, status = _READERS[kind](path)
     except (OSError, ValueError, KeyError, TypeError) as error:

@@ -29,10 +29,15 @@ def nodal_values(position: Floats, cells: Ints, values: Floats) -> Floats:
     """
     corners = corners_of(cells)
     middles = position[corners].mean(axis=1)
-    around = _around(corners, len(position))
+    # cells at each node (N, n)
+    n, a = corners.shape
+    pattern = (np.ones(n * a), (corners.ravel(), np.repeat(np.arange(n), a)))
+    around = csr_array(pattern, shape=(len(position), n))
     few = np.diff(around.indptr) < ENOUGH
     wide = around @ around.T @ around  # cells that touch a cell at the node
-    patch = _of_rows(around, wide, few)
+    # rows of `wide` where chosen, else of `narrow`
+    keep, take = (~few).astype(float), few.astype(float)
+    patch = csr_array(around.multiply(keep[:, None]) + wide.multiply(take[:, None])).sorted_indices()
     counts = np.diff(patch.indptr)
     at = np.repeat(np.arange(len(position)), counts)
     offset = middles[patch.indices] - position[at]
@@ -42,19 +47,6 @@ def nodal_values(position: Floats, cells: Ints, values: Floats) -> Floats:
     matrix: Any = np.stack([[np.bincount(at, p * q, len(position)) for q in basis.T] for p in basis.T])
     right: Any = np.stack([[np.bincount(at, p * v[patch.indices], len(position)) for v in values.T] for p in basis.T])
     return _solved(matrix.transpose(2, 0, 1), right.transpose(2, 0, 1), counts)
-
-
-def _around(corners: Ints, nodes: int) -> csr_array:
-    """Cells at each node (N, n)."""
-    n, a = corners.shape
-    pattern = (np.ones(n * a), (corners.ravel(), np.repeat(np.arange(n), a)))
-    return csr_array(pattern, shape=(nodes, n))
-
-
-def _of_rows(narrow: csr_array, wide: csr_array, chosen: np.ndarray) -> csr_array:
-    """Rows of `wide` where chosen, else of `narrow`."""
-    keep, take = (~chosen).astype(float), chosen.astype(float)
-    return csr_array(narrow.multiply(keep[:, None]) + wide.multiply(take[:, None])).sorted_indices()
 
 
 def _solved(matrix: Floats, right: Floats, counts: Ints) -> Floats:

@@ -168,8 +168,14 @@ def _conditions_of(c: Any, pair: ContactPair) -> tuple[np.ndarray, float]:
 
 
 def _bound_model(buffer: Floats, model: Model) -> BoundArrays:
-    starts, dofs = _support_dofs(model)
-    return BoundArrays(MODEL, buffer, model.state.buffer, model.mass, _places(model), starts, dofs)
+    # where each support begins, and the degrees of freedom of all of them one after another
+    parts = [support.dof for support in model.loading.supports]
+    starts = np.cumsum([0, *(len(part) for part in parts)]).astype(np.int64)
+    dofs = np.concatenate([np.zeros(0, np.int64), *parts]).astype(np.int64)
+    # where the fields begin in the state's buffer, -1 for those that do not exist
+    state = model.state
+    begins = [(state[n].ctypes.data - state.buffer.ctypes.data) // 8 if n in state else -1 for n in _FIELDS]
+    return BoundArrays(MODEL, buffer, model.state.buffer, model.mass, np.array(begins, np.int64), starts, dofs)
 
 
 def _bound_rows(sampler: StepSampler, model: Model, contact: ContactSystem | ImplicitContactSystem) -> BoundArrays:
@@ -180,17 +186,3 @@ def _bound_rows(sampler: StepSampler, model: Model, contact: ContactSystem | Imp
 
 
 _FIELDS = ("clock", "velocity", "work", "reaction")
-
-
-def _places(model: Model) -> np.ndarray:
-    """Where the fields begin in the state's buffer, -1 for those that do not exist."""
-    state = model.state
-    begins = [(state[n].ctypes.data - state.buffer.ctypes.data) // 8 if n in state else -1 for n in _FIELDS]
-    return np.array(begins, np.int64)
-
-
-def _support_dofs(model: Model) -> tuple[np.ndarray, np.ndarray]:
-    """Where each support begins, and the degrees of freedom of all of them one after another."""
-    dofs = [support.dof for support in model.loading.supports]
-    starts = np.cumsum([0, *(len(part) for part in dofs)]).astype(np.int64)
-    return starts, np.concatenate([np.zeros(0, np.int64), *dofs]).astype(np.int64)

@@ -73,7 +73,10 @@ class InOrder:
         if self.stopped() or not short or results.summary["resolved"].get("integrator", {}).get("furthest"):
             return results
         if place is not None:
-            self._set_aside(place)
+            assert self.folder is not None
+            place.mkdir(parents=True, exist_ok=True)
+            own = {path.name for path in self.folder.iterdir()} - self.before - {ATTEMPTS}
+            _move(self.folder, place, sorted(own, key=lambda name: name == FILE))
         if place is None or not (place / FILE).is_file():
             self.kept[number] = results
         self.attempts.add(use, results.summary, short, f"{ATTEMPTS}/{place.name}" if place is not None else "")
@@ -112,13 +115,6 @@ class InOrder:
 
     def _place(self, number: int) -> Path | None:
         return None if self.folder is None else self.folder / ATTEMPTS / self._name(number)
-
-    def _set_aside(self, place: Path) -> None:
-        """Move the results in the folder of the run to the place of an attempt."""
-        assert self.folder is not None
-        place.mkdir(parents=True, exist_ok=True)
-        own = {path.name for path in self.folder.iterdir()} - self.before - {ATTEMPTS}
-        _move(self.folder, place, sorted(own, key=lambda name: name == FILE))
 
     def _read(self, number: int, place: Path) -> None:
         """Take in an attempt whose results lie at its place."""

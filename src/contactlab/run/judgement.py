@@ -176,7 +176,10 @@ def _coarse_facets(model: Model, pair: ContactPair, curve: ContactCurve) -> Iter
     approach = float(np.abs(np.einsum("ni,ni->n", apart, _normals(pair.slave, model.position)[pressed])).max())
     if depth <= FACETS * approach or depth <= 1e-9 * pair.size:
         return
-    finer = _finer(depth / max(FACETS * approach, 1e-300))
+    # by what to divide lengths, rounded upwards to two figures
+    factor = float(np.sqrt(depth / max(FACETS * approach, 1e-300)))
+    unit = 10.0 ** (np.floor(np.log10(factor)) - 1.0)
+    finer = f"{unit * np.ceil(factor / unit - 1e-9):.2g}"
     curves = isinstance(pair.method, SegmentContact) and pair.slave.edges.shape[1] == pair.master.edges.shape[1] == 2
     smooth = "smooth = true of the contact, or " if curves else ""
     low = f", the mean pressure of a fit is off by about {0.45 * depth / approach:.0%}" if depth <= approach else ""
@@ -297,13 +300,6 @@ def _stretches(curve: ContactCurve, chains: list[Ints]) -> Iterator[Ints]:
         pressed = np.flatnonzero(curve.nodal_pressure[chain] > 0.0)
         for spot in np.split(pressed, np.flatnonzero(np.diff(pressed) > FEW) + 1) if len(pressed) else ():
             yield chain[spot[0] : spot[-1] + 1]
-
-
-def _finer(ratio: float) -> str:
-    """By what to divide lengths where a depth must fall by `ratio`, rounded upwards to two figures."""
-    factor = float(np.sqrt(ratio))
-    unit = 10.0 ** (np.floor(np.log10(factor)) - 1.0)
-    return f"{unit * np.ceil(factor / unit - 1e-9):.2g}"
 
 
 def _facets_fit(pair: ContactPair, position: Floats, nodes: Ints) -> bool:

@@ -293,7 +293,11 @@ class LoadSchedule(Schedule):
         time, pace = self.state.time, min(1.0, self.part / self.wished)
         if self.timing.end is None:
             self._release(pace)
-            return self._until_settled(time)
+            # the step of a run that has no end to meet; those of the hold are short enough to judge it by
+            even = self.path.time(self.part)
+            if time < self.timing.last * (1.0 - NEARLY):
+                return even if not self.swings else self.path.time(self.path.fraction(time) + self.part) - time
+            return min(even, self.timing.hold / HELD) if self.timing.hold else even
         done = self.path.fraction(time)
         stop = self.path.stop(time)
         if self.control is not None and time < stop:
@@ -313,13 +317,6 @@ class LoadSchedule(Schedule):
             return False
         near = NEARLY * self.timing.last
         return any(bool((np.abs(swing.turns - time) <= near).any()) for swing in self.swings)
-
-    def _until_settled(self, time: float) -> float:
-        """The step of a run that has no end to meet. Those of the hold are short enough to judge it by."""
-        even = self.path.time(self.part)
-        if time < self.timing.last * (1.0 - NEARLY):
-            return even if not self.swings else self.path.time(self.path.fraction(time) + self.part) - time
-        return min(even, self.timing.hold / HELD) if self.timing.hold else even
 
     def _reached(self, limit: float) -> bool:
         return bool(self.state.time >= limit * (1.0 - NEARLY * self.wished))

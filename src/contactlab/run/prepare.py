@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from contactlab.api import Layout
 from contactlab.errors import ContactlabWarning
@@ -57,7 +57,9 @@ def prepare_run(
         assert isinstance(model, ImplicitModel)
         run.nested = NestedStart(scene, registry, model, run.schedule.stopped)
     recorders = recorders_of(scene, registry) if folder is not None else {}
-    used = _with_recorders(scene, recorders)
+    # the scene with the recorders that it really has, for the list of parts
+    specs = tuple({"use": name.partition(" ")[0]} for name in recorders)
+    used = replace(scene, record=replace(scene.record, recorders=specs))
     layout = layout_of(model, scene, parts_of(used, registry), versions(used, registry))
     # there is never a frame without a step: room for more would be taken for nothing
     steps = run.schedule.estimated_steps()
@@ -136,9 +138,3 @@ def schedule_of(model: Model, scene: Scene) -> Schedule:
     from contactlab.run.load_steps import LoadSchedule
 
     return LoadSchedule(model, scene)
-
-
-def _with_recorders(scene: Scene, recorders: dict[str, Any]) -> Any:
-    """The scene with the recorders that it really has, for the list of parts."""
-    specs = tuple({"use": name.partition(" ")[0]} for name in recorders)
-    return replace(scene, record=replace(scene.record, recorders=specs))

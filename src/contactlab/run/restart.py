@@ -35,18 +35,15 @@ def finished_results(folder: Path, scene: Scene) -> Results | None:
     results = load_results(folder)
     if results.status in RESUMABLE:
         return None
-    if not _is_written(results.summary, folder / "summary.json"):
+    try:
+        written = bool(json.loads((folder / "summary.json").read_text(encoding="utf-8")) == results.summary)
+    except (OSError, ValueError):
+        written = False
+    if not written:
         # it was killed between its last two files
         write_contacts(folder, {contact.name: results.contact[contact.name] for contact in results.layout.contacts})
         write_summary(folder, results.summary)
     return results
-
-
-def _is_written(summary: Mapping[str, Any], path: Path) -> bool:
-    try:
-        return bool(json.loads(path.read_text(encoding="utf-8")) == summary)
-    except (OSError, ValueError):
-        return False
 
 
 def saved_run(folder: Path) -> tuple[Results, Checkpoint] | None:

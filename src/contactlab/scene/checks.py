@@ -18,7 +18,9 @@ def check(scene: Scene) -> None:
     _check_rigid(scene)
     _check_contacts(scene)
     _check_supports(scene)
-    _check_loads(scene)
+    _check_names(scene, "loads", scene.loads)
+    for number, load in enumerate(scene.loads):
+        _check_target(scene, load.on, scene.where(f"loads.{number}.on"), needs_edges=True)
     _check_duration(scene)
     _check_begins(scene)
 
@@ -144,12 +146,6 @@ def _check_supports(scene: Scene) -> None:
                     got=support.on,
                     allowed="each displacement once",
                 )
-
-
-def _check_loads(scene: Scene) -> None:
-    _check_names(scene, "loads", scene.loads)
-    for number, load in enumerate(scene.loads):
-        _check_target(scene, load.on, scene.where(f"loads.{number}.on"), needs_edges=True)
 
 
 def _check_target(scene: Scene, target: str, where: Location, needs_edges: bool) -> None:

@@ -157,7 +157,7 @@ class Contact:
     @property
     def targets(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """Edge sets of slave and master as they act, `swap` taken into account."""
-        slave, master = (_each(side) for side in (self.slave, self.master))
+        slave, master = ((side,) if isinstance(side, str) else side for side in (self.slave, self.master))
         return (master, slave) if self.swap else (slave, master)
 
     @property
@@ -165,10 +165,6 @@ class Contact:
         """Slave and master as they act, in words."""
         slave, master = self.targets
         return " + ".join(slave), " + ".join(master)
-
-
-def _each(side: Targets) -> tuple[str, ...]:
-    return (side,) if isinstance(side, str) else side
 
 
 @dataclass(frozen=True)

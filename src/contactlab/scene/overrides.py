@@ -28,7 +28,7 @@ def changed(
     """
     result = copy.deepcopy(dict(data))
     numbered = [(_numbered(key, result), value) for key, value in changes.items()]
-    for path, value in sorted(numbered, key=lambda change: _depth(change[0])):
+    for path, value in sorted(numbered, key=lambda change: len(change[0]) - (change[0][-1] == "use")):
         _set(result, path, _copied(value, path), is_part, switch)
     return result, [".".join(path) for path, _ in numbered]
 
@@ -40,10 +40,6 @@ def _copied(value: Any, path: list[str]) -> Any:
         raise SceneError(
             "the value is nested too deeply", where=".".join(path), got=value, allowed="a value that TOML can hold"
         ) from error
-
-
-def _depth(path: list[str]) -> int:
-    return len(path) - (path[-1] == "use")
 
 
 def _numbered(key: str, data: Mapping[str, Any]) -> list[str]:

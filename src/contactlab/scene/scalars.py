@@ -34,7 +34,9 @@ def scalar(hint: Any, value: Any, where: Where, limits: Mapping[str, Any]) -> An
     if isinstance(value, str | Path):
         _check_characters(str(value), where)
     if hint is Path and isinstance(value, str | Path):
-        return _path(value, where)
+        # relative paths start where the text that names them lies
+        folder = where.folder if isinstance(where, Location) else ""
+        return (Path(folder) / value).resolve()
     if isinstance(hint, type) and isinstance(value, hint):
         return value
     tip = "write true or false without quotes" if hint is bool and isinstance(value, str) else ""
@@ -48,12 +50,6 @@ def _check_characters(text: str, where: Where) -> None:
         raise SceneError(
             f"no file can keep the character {bad!a}", where=where, got=ascii(text), allowed="UTF-8 text without NUL"
         )
-
-
-def _path(value: str | Path, where: Where) -> Path:
-    """Relative paths start where the text that names them lies."""
-    folder = where.folder if isinstance(where, Location) else ""
-    return (Path(folder) / value).resolve()
 
 
 def _number(hint: type, value: Any, where: Where, limits: Mapping[str, Any], allowed: str) -> float | int:

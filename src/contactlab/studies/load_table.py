@@ -10,7 +10,6 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from contactlab.api.arrays import Floats
 from contactlab.api.frame import ContactCurve
 from contactlab.api.warning import RunWarning
 from contactlab.arguments import NAME, arguments
@@ -64,6 +63,7 @@ def _table(data: Mapping[str, Any], folder: Path) -> Table:
 
 def _row(data: Mapping[str, Any], contact: str, folder: Path) -> Row:
     results, kept = _or_nothing(lambda: load_results(folder)), data["kept"]
+    rows = read_csv(folder / "history.csv")
     return Row(
         name=data["name"],
         algorithm=data["algorithm"],
@@ -82,7 +82,7 @@ def _row(data: Mapping[str, Any], contact: str, folder: Path) -> Row:
         curve=_curve(folder, contact),
         shapes=shapes_of(results) if results is not None and results.restartable else {},
         refines=data["refines"],
-        history=_history(folder),
+        history={name: np.array([_number(row[name] or None) for row in rows]) for name in rows[0]} if rows else {},
         path=kept["path"],
         share=kept.get("share", 1.0),
     )
@@ -94,11 +94,6 @@ def _or_nothing(read: Callable[[], T]) -> T | None:
         return read()
     except (RequestError, OSError, KeyError, ValueError):
         return None
-
-
-def _history(folder: Path) -> dict[str, Floats]:
-    rows = read_csv(folder / "history.csv")
-    return {name: np.array([_number(row[name] or None) for row in rows]) for name in rows[0]} if rows else {}
 
 
 def _curve(folder: Path, contact: str) -> ContactCurve | None:

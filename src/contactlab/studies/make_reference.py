@@ -57,7 +57,8 @@ def make_reference(recipe: str | Path, out: str | Path, jobs: int | None = None)
 
     Raises RequestError for a recipe with fewer than two levels or several answers, ContactlabError when a run fails.
     """
-    path = _recipe_path(recipe)
+    bundled = FOLDER / f"{recipe}.toml"
+    path = bundled if bundled.is_file() else Path(recipe)
     scene = _scene_of(path)
     plan = make_plan(path)
     with Driver(None, jobs, time_limit=plan.study.time_limit) as driver:
@@ -105,11 +106,6 @@ def _scene_of(recipe: Path) -> Mapping[str, Any]:
 def _all(plan: Plan) -> Generator[Sequence[Any], Sequence[Any], dict[str, Record]]:
     done = yield [combination_plan(one, plan.study.repeat) for one in plan.jobs]
     return dict(zip((one.name for one in plan.jobs), done, strict=True))
-
-
-def _recipe_path(recipe: str | Path) -> Path:
-    bundled = FOLDER / f"{recipe}.toml"
-    return bundled if bundled.is_file() else Path(recipe)
 
 
 # --- the pressure ----------------------------------------------------------------------------------

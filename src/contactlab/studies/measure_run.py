@@ -68,6 +68,8 @@ def _forces(scene: Mapping[str, Any], summary: Mapping[str, Any], contact: int) 
     driven = driven_support(scene, reactions)
     force = peak_force(summary, driven or f"contacts.{contact}") or {}
     pressure = peak_pressure(summary, f"contacts.{contact}") or {}
+    depths = [_float(facts.get("max_penetration")) for facts in summary.get("contacts", {}).values()]
+    deepest = max(depths, default=math.nan)
     return {
         "reaction": _length(reactions.get(driven)),
         "peak_force": _float(force.get("value")),
@@ -78,7 +80,7 @@ def _forces(scene: Mapping[str, Any], summary: Mapping[str, Any], contact: int) 
         "peak_pressure": _float(pressure.get("value")),
         "peak_pressure_time": _float(pressure.get("time")),
         "max_pressure": _float(facts.get("max_pressure")),
-        "max_penetration": _largest_penetration(summary),
+        "max_penetration": deepest,
     }
 
 
@@ -129,11 +131,6 @@ def _reaction_error(reaction: float, reference: Reference | None) -> float:
         return math.nan
     exact = reference.scalar("reaction")
     return _quotient(abs(reaction - exact), abs(exact))
-
-
-def _largest_penetration(summary: Mapping[str, Any]) -> float:
-    depths = [_float(facts.get("max_penetration")) for facts in summary.get("contacts", {}).values()]
-    return max(depths, default=math.nan)
 
 
 # --- costs -----------------------------------------------------------------------------------------

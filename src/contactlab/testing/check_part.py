@@ -90,7 +90,9 @@ def _outcomes(subject: Subject, only: Collection[str]) -> Iterator[Outcome]:
             says = " ".join((check.__doc__ or "").split())
             yield Outcome(check.__name__, says, "not applicable", "left out: what every other check begins with failed")
             continue
-        outcome = run_check(check, _checked(subject))
+        # a new instance; of two half passes the algorithm of each
+        part = subject.make()
+        outcome = run_check(check, (part.half_pass() or part) if isinstance(part, ContactMethod) else part)
         fatal = outcome.status == "failed" and check.__name__ in FATAL
         failed |= outcome.status == "failed"
         yield outcome
@@ -103,12 +105,6 @@ def _outcomes(subject: Subject, only: Collection[str]) -> Iterator[Outcome]:
             yield Outcome(scenario.__name__, says, "not applicable", why)
         else:
             yield run_check(scenario, subject)
-
-
-def _checked(subject: Subject) -> Any:
-    """A new instance; of two half passes the algorithm of each."""
-    part = subject.make()
-    return (part.half_pass() or part) if isinstance(part, ContactMethod) else part
 
 
 def keeps_the_contract(subject: Subject) -> None:

@@ -100,11 +100,6 @@ def positions_change_in_place(algorithm: ContactMethod) -> None:
         identical(one, other, "answers after positions have changed in place")
 
 
-def _anew(algorithm: Any) -> Any:
-    """A new part with the same values."""
-    return replace(algorithm)
-
-
 def memory_is_all_it_remembers(algorithm: ContactMethod) -> None:
     """Taken up from its memory by a new part that has seen other positions, it goes on with the same bits.
 
@@ -124,7 +119,7 @@ def memory_is_all_it_remembers(algorithm: ContactMethod) -> None:
     require(
         kept or not algorithm.memory_size, f"memory_size is {algorithm.memory_size}, and nothing is ever kept in it"
     )
-    aside, again = np.zeros_like(memories[0]), _anew(algorithm)
+    aside, again = np.zeros_like(memories[0]), replace(algorithm)  # type: ignore[type-var]
     for number in reversed(range(len(path))):
         asked(again, view_of(again, path[number], aside))
         memory = memories[number].copy()

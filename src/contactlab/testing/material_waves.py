@@ -40,7 +40,11 @@ def _waves(law: Material) -> tuple[Floats, Floats, Floats, float]:
     if law.kinematics == "finite" and law.own_history():
         return *_loaded(law), ONE_SIDED
     gradient, stress, moduli = _strained(law) if law.kinematics == "finite" else _stressed(law)
-    return gradient, stress, _fastest(moduli), ERROR
+    # the largest eigenvalue (P,) of the acoustic tensors of all directions
+    normals = _directions(DIRECTIONS)
+    acoustic = np.einsum("pijkl,nj,nl->npik", moduli, normals, normals)
+    largest = np.linalg.eigvalsh(0.5 * (acoustic + acoustic.transpose(0, 1, 3, 2)))[..., -1]
+    return gradient, stress, np.asarray(largest.max(axis=0)), ERROR
 
 
 def _loaded(law: Material) -> tuple[Floats, Floats, Floats]:
@@ -103,14 +107,6 @@ def _stressed(law: Material) -> tuple[Floats, Floats, Floats]:
     sigma, unit = points.tensors(stress), np.eye(2)
     carried = np.einsum("pij,kl->pijkl", sigma, unit) - np.einsum("pil,jk->pijkl", sigma, unit)
     return rest, stress, np.moveaxis(rows, -1, 0) + carried
-
-
-def _fastest(moduli: Floats) -> Floats:
-    """Largest eigenvalue (P,) of the acoustic tensors of all directions."""
-    normals = _directions(DIRECTIONS)
-    acoustic = np.einsum("pijkl,nj,nl->npik", moduli, normals, normals)
-    largest = np.linalg.eigvalsh(0.5 * (acoustic + acoustic.transpose(0, 1, 3, 2)))[..., -1]
-    return np.asarray(largest.max(axis=0))
 
 
 POINTS, STRAIN = 40, 0.06

@@ -59,7 +59,8 @@ def cells_are_sound(source: MeshSource) -> None:
     sides = np.array(sorted(_sides_of(mesh)))
     shortest = float(np.hypot(*(mesh.nodes[sides[:, 1]] - mesh.nodes[sides[:, 0]]).T).min())
     near = cKDTree(mesh.nodes).query_pairs(SLIT * shortest)
-    require(not near, f"two nodes coincide, or nearly so, at {_place(mesh, near)}: the mesh has a slit")
+    place = str(mesh.nodes[min(near)[0]].round(4).tolist()) if near else ""
+    require(not near, f"two nodes coincide, or nearly so, at {place}: the mesh has a slit")
 
 
 def edges_are_the_boundary(source: MeshSource) -> None:
@@ -89,10 +90,6 @@ def same_mesh_twice(source: MeshSource) -> None:
     one, two = source.mesh(FourNodes(), 2), source.mesh(FourNodes(), 2)
     agree(two.nodes, one.nodes, 0.0, "nodes of a second call")
     agree(two.cells, one.cells, 0, "cells of a second call")
-
-
-def _place(mesh: Mesh, near: set[tuple[int, int]]) -> str:
-    return str(mesh.nodes[min(near)[0]].round(4).tolist()) if near else ""
 
 
 def the_boundary_is_named(source: MeshSource) -> None:

@@ -116,7 +116,8 @@ def _varied(name: str, value: Any, hint: Any) -> Iterator[tuple[str, Any]]:
 def _changed(part: Any) -> Iterator[tuple[Any, Any]]:
     for field in dataclasses.fields(part):
         value = getattr(part, field.name)
-        if not _is_number(value):
+        numbers = value if isinstance(value, tuple) else (value,)
+        if not (all(isinstance(n, float) and np.isfinite(n) for n in numbers) and any(numbers)):
             continue
         changed = tuple(FACTOR * np.asarray(value)) if isinstance(value, tuple) else FACTOR * value
         try:
@@ -130,8 +131,3 @@ def switched_on(part: Any) -> Iterator[tuple[str, Any]]:
     for field in dataclasses.fields(part):
         if field.default == 0.0 and getattr(part, field.name) == 0.0 and field.name in USUAL:
             yield field.name, dataclasses.replace(part, **{field.name: USUAL[field.name]})
-
-
-def _is_number(value: Any) -> bool:
-    numbers = value if isinstance(value, tuple) else (value,)
-    return all(isinstance(n, float) and np.isfinite(n) for n in numbers) and any(numbers)

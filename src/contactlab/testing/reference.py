@@ -78,7 +78,9 @@ def can_be_compared_with(reference: ReferenceSolution) -> None:
         same = np.array_equal(first.x, second.x) and np.array_equal(first.pressure, second.pressure)
         require(same, "it gives another pressure when it is asked again")
         require(float(np.max(found.profile.value)) > 0.0, f"nothing is pressed in its solution of {scene.name}")
-        _spread_fits(first)
+        if first.spread is not None:
+            shapes = np.shape(first.spread), np.shape(first.x)
+            require(shapes[0] == shapes[1], f"its spread has the shape {shapes[0]}, x has {shapes[1]}")
         require(math.isnan(first.error) or 0.0 <= first.error < 1.0, f"its error is {first.error}, a share of 1")
         for name, scalar in first.scalars.items():
             good = math.isfinite(scalar.value) and scalar.error >= 0.0
@@ -157,12 +159,6 @@ def _carries(found: Reference, solution: Solution) -> None:
     carried = integral(found.profile)
     text = f"its pressure carries {carried:.6g}, its reaction is {reaction.value:.6g}"
     require(abs(carried - abs(reaction.value)) <= allowed, text)
-
-
-def _spread_fits(solution: Solution) -> None:
-    if solution.spread is not None:
-        shapes = np.shape(solution.spread), np.shape(solution.x)
-        require(shapes[0] == shapes[1], f"its spread has the shape {shapes[0]}, x has {shapes[1]}")
 
 
 def _some(reference: ReferenceSolution) -> list[Scene]:

@@ -41,10 +41,6 @@ def _angular(view: StepView) -> float:
     return float(view.mass @ (r[:, 0] * v[:, 1] - r[:, 1] * v[:, 0]))
 
 
-def _field(view: StepView, name: str) -> Floats:
-    return view.position if name == "position" else view.field(name)
-
-
 _PLAIN: dict[str, Callable[[StepView], float]] = {
     "time": lambda view: view.time,
     "sweeps": lambda view: float(view.sweeps),
@@ -77,7 +73,7 @@ def quantity(name: str) -> Callable[[StepView], float]:
     k = _AXES[axis]
     if what == "force":
         return lambda view: float(view.field("contact_force")[view.nodes(body), k].sum())
-    return lambda view: float(mean(view, _field(view, what), body)[k])
+    return lambda view: float(mean(view, view.position if what == "position" else view.field(what), body)[k])
 
 
 @dataclass(frozen=True)

@@ -79,7 +79,9 @@ class Drawing:
         self.outline = outline
         self.shape = MeshShape(run.layout)
         self.wire = wire
-        size = self._frame_bytes()
+        # bytes of the mesh and its lines in one frame
+        lines = [*self.shape.outlines, *(self.shape.wire if self.wire else ())]
+        size = MESH_BYTES * self.shape.nodes + LINE_BYTES * sum(map(len, lines))
         self.frames = drawn_frames(run, size, room)
         self.instants = [run.instants[k] for k in self.frames]
         self.iterates = drawn_iterates(run, self.frames, size, room)
@@ -90,16 +92,12 @@ class Drawing:
         """Draw meshes, outlines, arrows and fields of all frames."""
         self.recording.log(f"{self.appearance.path}/view", camera(self.scale.distance), static=True)
         self._mesh()
-        self._outlines()
+        self._strips("outline", self.shape.outlines)
+        self._style("outline", rgb(self.outline), LINE)
         if self.wire:
             self._wire()
         self._arrows()
         self._node_states()
-
-    def _frame_bytes(self) -> int:
-        """Bytes of the mesh and its lines in one frame."""
-        lines = [*self.shape.outlines, *(self.shape.wire if self.wire else ())]
-        return MESH_BYTES * self.shape.nodes + LINE_BYTES * sum(map(len, lines))
 
     def _frames_film(self) -> Film:
         steps, times = [i.step for i in self.instants], [i.time for i in self.instants]
@@ -130,10 +128,6 @@ class Drawing:
         scale = self.scale
         values = (self.shape.nodal(field) - scale.bottom) / (scale.top - scale.bottom)
         return TABLE[np.clip(values * len(TABLE), 0, len(TABLE) - 1).astype(np.intp)]
-
-    def _outlines(self) -> None:
-        self._strips("outline", self.shape.outlines)
-        self._style("outline", rgb(self.outline), LINE)
 
     def _wire(self) -> None:
         if self.shape.wire:

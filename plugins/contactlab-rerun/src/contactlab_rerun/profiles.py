@@ -94,19 +94,14 @@ def _log_curves(recording: rr.RecordingStream, axes: Axes, run: Gathered, appear
     recording.send_columns(f"{path}/pressure", when, solid_columns(pressure))
     names = ["pressure"]
     if next(c.friction for c in run.layout.contacts if c.name == contact):
-        recording.send_columns(
-            f"{path}/shear", when, dashed_columns(_dashed_shear(axes, surface.s[order], shown.shear[:, order]))
-        )
+        lines = [dashed(surface.s[order], shear) for shear in shown.shear[:, order]]
+        s: Floats = np.array([s for s, _ in lines])
+        shears = axes.points(s, np.array([shear for _, shear in lines]))
+        recording.send_columns(f"{path}/shear", when, dashed_columns(shears))
         names.append("shear")
     for name in names:
         style = rr.LineStrips3D.from_fields(colors=[rgb(appearance.colour)], radii=[-1.3])
         recording.log(f"{path}/{name}", style, static=True)
-
-
-def _dashed_shear(axes: Axes, along: Floats, shears: np.ndarray) -> np.ndarray:
-    lines = [dashed(along, shear) for shear in shears]
-    s: Floats = np.array([s for s, _ in lines])
-    return axes.points(s, np.array([shear for _, shear in lines]))
 
 
 @dataclass(frozen=True)

@@ -32,12 +32,14 @@ def log_pictures(recording: rr.RecordingStream, run: Gathered, appearance: Appea
         if rows is None or not len(rows):
             continue
         along = run.surfaces[contact.name].along
+        share = np.clip(rows["pressure"][:, along] / max(_peak(rows), 1e-30), 0.0, 1.0)
+        level = np.ceil(share * (len(FIELD) - 1)).astype(np.uint8)
         kinds = {
             "state": (f"state of {contact.slave}, node by step", _states(rows, along, bool(contact.friction))),
             "segment": (f"master segment under each node of {contact.slave}", _segments(rows, along)),
             "pressure": (
                 f"pressure on {contact.slave} up to {_peak(rows):.3g} {unit}".rstrip(),
-                _pressures(rows, along),
+                (np.where(rows["state"][:, along] > 0, 1 + level, 0).astype(np.uint8), [EMPTY, *FIELD]),
             ),
             "gap": (
                 f"gaps on {contact.slave} (red: overlap, blue: apart; a shade is a power of ten)",
@@ -78,12 +80,6 @@ def _segments(rows: np.ndarray, along: Ints) -> tuple[np.ndarray, list[str]]:
     segment, state = rows["segment"][:, along], rows["state"][:, along]
     seen = (segment != NO_SEGMENT) & (state > 0)
     return np.where(seen, 1 + segment % len(SEGMENTS), 0).astype(np.uint8), [EMPTY, *SEGMENTS]
-
-
-def _pressures(rows: np.ndarray, along: Ints) -> tuple[np.ndarray, list[str]]:
-    share = np.clip(rows["pressure"][:, along] / max(_peak(rows), 1e-30), 0.0, 1.0)
-    level = np.ceil(share * (len(FIELD) - 1)).astype(np.uint8)
-    return np.where(rows["state"][:, along] > 0, 1 + level, 0).astype(np.uint8), [EMPTY, *FIELD]
 
 
 def _lengths(lengths: np.ndarray, largest: float) -> tuple[np.ndarray, list[str]]:

@@ -131,21 +131,20 @@ class TimelineFile:
         shown = []
         for run, appearance, writer in self.runs:
             outline = appearance.colour if len(self.runs) > 1 else OUTLINE
-            drawing = Drawing(self.recording, run, appearance, scale, outline, self._wired(run), self._room)
+            # bytes that the meshes of a run may take
+            room = MESHES / len(self.runs) if self.options.every == "auto" else math.inf
+            drawing = Drawing(self.recording, run, appearance, scale, outline, self._wired(run), room)
             drawing.draw()
             box = np.asarray(low, float), np.asarray(high, float)
             if run.layout.contacts:
                 log_state_key(self.recording, appearance.path, *box, run.frictional, scale.distance)
             if self.options.field != NO_FIELD:
-                label = _label(self.options.field, run.layout.units)
+                name = {VON_MISES: "von Mises stress"}.get(self.options.field, self.options.field.replace("_", " "))
+                unit = Units.of_label(run.layout.units).pressure if self.options.field in (VON_MISES, PRESSURE) else ""
+                label = f"{name} [{unit}]" if unit else name
                 box = log_colour_bar(self.recording, appearance.path, label, field, *box, scale.distance)
             shown.append(Shown(appearance, run, box, writer.shown(), drawing.frames))
         return shown
-
-    @property
-    def _room(self) -> float:
-        """Bytes that the meshes of a run may take."""
-        return MESHES / len(self.runs) if self.options.every == "auto" else math.inf
 
     def _wired(self, run: Gathered) -> bool:
         few = sum(len(body.cells) for body in run.layout.bodies) <= FEW_CELLS
@@ -178,9 +177,3 @@ def _ended(title: str, summary: Mapping[str, Any]) -> str:
 
 def _unit(run: Gathered) -> str:
     return Units.of_label(run.layout.units).pressure
-
-
-def _label(field: str, units: str) -> str:
-    name = {VON_MISES: "von Mises stress"}.get(field, field.replace("_", " "))
-    unit = Units.of_label(units).pressure if field in (VON_MISES, PRESSURE) else ""
-    return f"{name} [{unit}]" if unit else name

@@ -115,7 +115,10 @@ class BodyForces:
         self.shape = shape
         self.geometry, self.field, self.force, self.history = geometry, field, force, history
         self.trial_history = history if trial_history is None else trial_history
-        self.follows_paths = trial_history is not None and _integrates_flow(body.material)
+        # implicit steps integrate such a law along the path of the deformation
+        self.follows_paths = trial_history is not None and (
+            body.material.implicit_euler and body.material.history_size > 0 and body.material.kinematics != "rate"
+        )
         self.blocks = _blocks(body, history, self.trial_history, self.follows_paths)
         self.shares_gradient = trial_history is None and len(self.blocks) > 1
         self.shares_stress = self.shares_gradient and not body.material.history_size
@@ -284,11 +287,6 @@ def block_size(cells: int) -> int:
         return cells
     size = -(-cells // max(2, number))
     return 8 * (-(-size // 8) | 1)
-
-
-def _integrates_flow(law: Material) -> bool:
-    """Whether implicit steps integrate the law along the path of the deformation."""
-    return law.implicit_euler and law.history_size > 0 and law.kinematics != "rate"
 
 
 def _blocks(body: Body, history: Floats, trial_history: Floats, follows_paths: bool) -> list[Block]:

@@ -56,7 +56,10 @@ def _alone(body: Body, positions: Floats, mass: Floats, fixed: Ints, directions:
         return found
     own = _free([body], fixed)
     nodal = np.repeat(mass, 2)[own]
-    return _rayleigh(_stiffness([body], positions)[own][:, own], nodal, [_stretch(positions, nodal, own)])
+    # an even stretch about the centre of mass: how neighbours squeeze a body that nothing else holds
+    x = positions.reshape(-1)[own]
+    centre = [(x * nodal)[own % 2 == c].sum() / max(nodal[own % 2 == c].sum(), 1e-300) for c in range(2)]
+    return _rayleigh(_stiffness([body], positions)[own][:, own], nodal, [np.asarray(x - np.asarray(centre)[own % 2])])
 
 
 def _frequency(
@@ -167,10 +170,3 @@ def _adrift(bodies: Sequence[Body], stiffness: Any, positions: Floats, nodal: Fl
     rigid = ROUND * stiffness.diagonal().sum() / nodal.sum()
     half = np.linalg.inv(np.linalg.cholesky(inertia))
     return bool(np.linalg.eigvalsh(half @ energy @ half.T)[0] < rigid)
-
-
-def _stretch(positions: Floats, nodal: Floats, own: Ints) -> Floats:
-    """An even stretch about the centre of mass: how neighbours squeeze a body that nothing else holds."""
-    x = positions.reshape(-1)[own]
-    centre = [(x * nodal)[own % 2 == c].sum() / max(nodal[own % 2 == c].sum(), 1e-300) for c in range(2)]
-    return np.asarray(x - np.asarray(centre)[own % 2])

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.sparse import coo_array
 
-from contactlab.api import Element, Floats, ImplicitIntegrator, Integrator, Ints, Surface
+from contactlab.api import Element, Floats, ImplicitIntegrator, Integrator, Ints
 from contactlab.contact.pair import ContactPair
 from contactlab.errors import PartError, SceneError, below
 from contactlab.kernels.tangent import two_point_modulus
@@ -217,7 +217,11 @@ def _strips(pair: ContactPair, forces: tuple[BodyForces, ...], position: Floats)
             if not len(own):
                 continue
             nodes = block.connectivity[local[side], cells[:, None]]
-            places = _places(surface, behind.edge[own], nodes)
+            # positions in `Surface.nodes` of the nodes along edges; a node of a corner belongs to two chains
+            given = surface.edges[behind.edge[own]]
+            given = np.concatenate([given[:, :1], given[:, 2:], given[:, 1:2]], axis=1)
+            turned = surface.nodes[given[:, 0]] != nodes[:, 0]
+            places = np.where(turned[:, None], given[:, ::-1], given)
             for row in range(pair.rows_per_node):
                 slot = pair.first_slot + row * len(surface.nodes) + places
                 yield _Strip(one, block, position, slot, nodes, cells, continued[side], hat, along, gradients)
@@ -226,14 +230,6 @@ def _strips(pair: ContactPair, forces: tuple[BodyForces, ...], position: Floats)
 def _in_order(edge: Sequence[int]) -> list[int]:
     """Nodes of a side from its start to its end."""
     return [edge[0], *edge[2:], edge[1]]
-
-
-def _places(surface: Surface, edge: Ints, nodes: Ints) -> Ints:
-    """Positions (f, b) in `Surface.nodes` of the nodes along edges; a node of a corner belongs to two chains."""
-    given = surface.edges[edge]
-    given = np.concatenate([given[:, :1], given[:, 2:], given[:, 1:2]], axis=1)
-    turned = surface.nodes[given[:, 0]] != nodes[:, 0]
-    return np.where(turned[:, None], given[:, ::-1], given)
 
 
 def _tables(element: Element) -> tuple[Floats, Floats, Floats]:

@@ -36,7 +36,8 @@ def check_supported(scene: Scene, bodies: tuple[Body, ...], supports: SupportPla
         neighbours = _neighbours(scene, body.name)
         pushed = bool(scene.effects) or any(load.on.partition(".")[0] == body.name for load in scene.loads)
         if len(free) == 3 and len(neighbours) < 2 and not (pushed and (neighbours or scene.effects)):
-            raise _adrift(scene, body, free, "no support holds this body" + _touched(neighbours))
+            told = f", and {next(iter(neighbours))} alone touches it" if neighbours else " and nothing touches it"
+            raise _adrift(scene, body, free, f"no support holds this body{told}")
         if not integrator.inertia and free and not neighbours and not scene.effects:
             raise _adrift(scene, body, free, "the supports leave this body free to move")
 
@@ -122,10 +123,6 @@ def _neighbours(scene: Scene, name: str) -> set[str]:
         slave, master = ({target.partition(".")[0] for target in side} for side in contact.targets)
         found |= master if name in slave else slave if name in master else set()
     return found - {name}
-
-
-def _touched(neighbours: set[str]) -> str:
-    return f", and {next(iter(neighbours))} alone touches it" if neighbours else " and nothing touches it"
 
 
 def _adrift(scene: Scene, body: Body, free: list[str], problem: str) -> SceneError:

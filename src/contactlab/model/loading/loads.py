@@ -92,16 +92,11 @@ class FollowerLoad:
         t = self.table
         # forces are shape_a times the tangent sum_b derivative_b x_b, turned by a right angle for the pressure
         share = t.share
-        row, column = (2 * np.broadcast_to(nodes, share.shape) for nodes in _pairs(t.edges))
+        row, column = (2 * np.broadcast_to(nodes, share.shape) for nodes in (t.edges[:, :, None], t.edges[:, None, :]))
         zero = np.zeros_like(share)
         rows, columns = np.stack([row, row, row + 1, row + 1]), np.stack([column, column + 1, column, column + 1])
         pressure, shear = np.stack([zero, -share, share, zero]), np.stack([share, zero, zero, share])
         return rows.ravel(), columns.ravel(), pressure.ravel(), shear.ravel()
-
-
-def _pairs(edges: Ints) -> tuple[Ints, Ints]:
-    """Nodes a and b of every pair of an edge's nodes, [edge, a, b]."""
-    return edges[:, :, None], edges[:, None, :]
 
 
 def _along_edges(

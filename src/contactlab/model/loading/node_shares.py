@@ -33,7 +33,11 @@ def shares_of(bodies: tuple[Body, ...], reference: Floats, names: Sequence[str],
         for body in bodies:
             own = [edges for other, edges in found if other is body]
             if own:
-                _add_lengths(body, np.unique(np.concatenate(own), axis=0), reference, measure)
+                sides = np.unique(np.concatenate(own), axis=0)
+                along, points = Edges(body.element, sides, reference), uniform(len(sides))
+                shape, _ = along.trace(points)
+                length = points.weight * along.speed(points.edge, points.at)
+                np.add.at(measure, sides[points.edge], length[:, None] * shape)
     elif other := [name for name in names if name not in {body.name for body in whole}]:
         edge_set(bodies, other[0], where)
         raise SceneError(
@@ -42,10 +46,3 @@ def shares_of(bodies: tuple[Body, ...], reference: Floats, names: Sequence[str],
         )  # fmt: skip
     nodes = np.flatnonzero(measure).astype(np.int32)
     return nodes, measure[nodes] / measure.sum()
-
-
-def _add_lengths(body: Body, edges: Ints, reference: Floats, measure: Floats) -> None:
-    along, points = Edges(body.element, edges, reference), uniform(len(edges))
-    shape, _ = along.trace(points)
-    length = points.weight * along.speed(points.edge, points.at)
-    np.add.at(measure, edges[points.edge], length[:, None] * shape)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from contactlab.api.arrays import Floats, Ints
+from contactlab.api.arrays import Floats
 from contactlab.api.drawing.colours import STYLES
 from contactlab.errors import Location
 from contactlab.parts.registry import default_registry
@@ -44,17 +44,16 @@ def draw_conditions(axes: Axes, scene: Scene, bodies: tuple[Body, ...], position
         nodes = nodes_of(bodies, support.on, scene.where(f"supports.{number}"))
         body = next(body for body in reversed(bodies) if body.first <= nodes[0])
         middle = position[body.first : body.first + body.count].mean(axis=0)
-        _draw_support(axes, support, position[_thinned(nodes, position, MARKS)], middle, 0.09 * size)
+        # at most so many nodes, evenly along the longer side of where they lie
+        axis = int(np.argmax(np.ptp(position[nodes], axis=0)))
+        ordered = nodes[np.argsort(position[nodes, axis], kind="stable")]
+        chosen = np.asarray(
+            ordered[np.unique(np.linspace(0, len(ordered) - 1, min(MARKS, len(ordered))).round().astype(int))]
+        )
+        _draw_support(axes, support, position[chosen], middle, 0.09 * size)
     for number, load in enumerate(scene.loads):
         _, edges = edge_set(bodies, load.on, scene.where(f"loads.{number}"))
         _draw_load(axes, load, position[edges[:, :2]], 0.07 * size)
-
-
-def _thinned(nodes: Ints, position: Floats, most: int) -> Ints:
-    """At most so many of the nodes, evenly along the longer side of where they lie."""
-    axis = int(np.argmax(np.ptp(position[nodes], axis=0)))
-    ordered = nodes[np.argsort(position[nodes, axis], kind="stable")]
-    return np.asarray(ordered[np.unique(np.linspace(0, len(ordered) - 1, min(most, len(ordered))).round().astype(int))])
 
 
 def _draw_support(axes: Axes, support: Any, places: Floats, middle: Floats, length: float) -> None:

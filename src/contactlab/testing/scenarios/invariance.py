@@ -52,7 +52,7 @@ def comes_to_its_end(subject: Subject) -> None:
 def _not_promised(subject: Subject) -> set[str]:
     """Codes of what the part may break."""
     found = {"kept-overlap"} if issubclass(subject.part_class, Potential) else set()  # as springs, which give way
-    if _passes_patch_test(subject):
+    if subject.kind != "contact" or bool(subject.part_class.passes_patch_test):
         return found
     found |= set(OF_WEAK_CONDITIONS)
     if half_passes(subject):
@@ -62,10 +62,6 @@ def _not_promised(subject: Subject) -> set[str]:
 
 def _is_exact(subject: Subject) -> bool:
     return subject.kind != "enforcement" or bool(subject.part_class.exact)
-
-
-def _passes_patch_test(subject: Subject) -> bool:
-    return subject.kind != "contact" or bool(subject.part_class.passes_patch_test)
 
 
 def rotation_turns_the_answers(subject: Subject) -> None:
