@@ -19,7 +19,7 @@ from contactlab.jobs.record import record_of
 from contactlab.parts.registry import default_registry
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene
-from contactlab.testing.scenarios.renumbering import Renumbering
+from contactlab.testing.scenarios.invariance import Renumbering
 
 SAME = 1e-6
 """Of each number, or of one: Newton's tolerance is 1e-8 of the forces, and errors are differences."""

@@ -16,7 +16,7 @@ import pytest
 from contactlab.results.results import Results
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene, load_scene
-from contactlab.testing.scenarios.renumbering import Renumbering
+from contactlab.testing.scenarios.invariance import Renumbering
 
 SAME = 1e-8
 DEPTH = 0.02

@@ -60,7 +60,7 @@ def linearised(pair: ContactPair, nodes: int, consistent: bool = False, in_time:
     consistent  whether normal forces act along the derivatives of the gaps; in_time: by rows of a whole step
     """
     if isinstance(pair, CornerPair):
-        from contactlab.contact.corner_linearisation import CornerLinearisation
+        from contactlab.contact.gap_linearisation import CornerLinearisation
 
         found: Linearisation = CornerLinearisation(pair, nodes)
     elif isinstance(pair, GapPair):

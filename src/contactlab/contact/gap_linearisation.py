@@ -15,6 +15,7 @@ from scipy.sparse import coo_array, csr_array
 
 from contactlab.api import ConditionDerivatives, ContactDerivatives, Floats, GapConditions, Ints
 from contactlab.contact.condition_differences import ConditionDifferences
+from contactlab.contact.corner_pair import CornerPair
 from contactlab.contact.gap_pair import GapPair
 from contactlab.contact.linearisation import Linearisation, parts_of
 from contactlab.contact.pair import turned
@@ -166,3 +167,20 @@ def _refuse_wrong(given: Any, entries: int, coordinates: int, part: str) -> None
             raise WrongAnswer(f"{part}: derivatives filled {name} outside 0 to {limit - 1}")
     if not np.isfinite(given.value).all():
         raise WrongAnswer(f"{part}: derivatives gave a value that is not finite, from finite numbers")
+
+
+class CornerLinearisation(GapLinearisation):
+    """Derivatives at corners of the master in closed form: weights as segments turn and as corners slide on them."""
+
+    pair: CornerPair
+
+    def _changes(self) -> ConditionDerivatives:
+        touched, found = self.pair.touched, self._found
+        value = np.zeros((len(touched), 3, 6, 2))
+        for c, touch in enumerate(touched):
+            turn = np.outer(np.outer((0.0, 1.0, -1.0), touch.outward).ravel() / touch.length, touch.along)
+            slide = np.outer(touch.rates.ravel(), touch.outward)
+            value[c] = turn, (touch.xi - 1.0) * turn + slide, -touch.xi * turn - slide
+        entry = np.repeat(np.arange(len(found.node), dtype=np.int32), 6)
+        moved = np.add.outer(2 * found.node.reshape(-1, 3), np.arange(2, dtype=np.int32)).reshape(-1, 6)
+        return ConditionDerivatives(entry, np.repeat(moved, 3, axis=0).ravel(), value.reshape(-1, 2))

@@ -203,9 +203,8 @@ def _trial_of(load: Callable[[], Any]) -> TrialRun:
     from contactlab.model.held_arrays import held_arrays
     from contactlab.run.prepare import prepare_run
     from contactlab.run.recorders import record_stored
-    from contactlab.run.steps import steps
+    from contactlab.run.simulation import steps
 
-    import_module("contactlab.run.simulation")  # as a run does
     loaded = perf_counter()
     with TemporaryDirectory() as folder:
         model = build(scene, scene.registry)

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
-from contactlab.api import Element, Floats, Mesh, MeshSource
+from contactlab.api import Element, Floats, Ints, Mesh, MeshSource
 from contactlab.api.meshing import Map, renamed, structured
 from contactlab.meshing.blocks import arc_point
 from contactlab.meshing.grading import axis, check_counts, check_ratios
 from contactlab.meshing.room import check_number
-from contactlab.meshing.structured import welded
 
+SAME = 1e-9  # of the mesh's extent: nodes of two grids nearer than this are one
 CORE = 0.5  # half the diagonal of the inner grid over the radius
 BULGE = 0.06  # rise of the inner grid's sides over the radius: between a square and a circle
 
@@ -135,3 +136,32 @@ class Ring(MeshSource):
         if not self._closed:
             return mesh
         return welded([renamed(mesh, {"inner": "inner", "outer": "outer"})])
+
+
+def welded(grids: Iterable[Mesh]) -> Mesh:
+    """One mesh of several grids that touch: coincident nodes become one, edge sets of one name are joined.
+
+    Nodes keep the order in which the grids bring them.
+    """
+    grids = list(grids)
+    first = np.cumsum([0, *(len(grid.nodes) for grid in grids)])
+    nodes = np.concatenate([grid.nodes for grid in grids])
+    number = _merged(nodes)
+    kept, final = np.unique(number, return_inverse=True)
+    final = final.astype(np.int32)
+    edges: dict[str, list[Ints]] = {}
+    for grid, begin in zip(grids, first, strict=False):
+        for name, some in grid.edges.items():
+            edges.setdefault(name, []).append(final[some + begin])
+    cells = np.concatenate([final[grid.cells + begin] for grid, begin in zip(grids, first, strict=False)])
+    return Mesh(np.ascontiguousarray(nodes[kept]), cells, {name: np.concatenate(some) for name, some in edges.items()})
+
+
+def _merged(nodes: Floats) -> Ints:
+    """Find for every node the lowest node at its place."""
+    from scipy.spatial import cKDTree
+
+    number = np.arange(len(nodes))
+    for a, b in sorted(cKDTree(nodes).query_pairs(SAME * float(np.ptp(nodes, axis=0).max()))):
+        number[b] = min(number[b], number[a])
+    return number.astype(np.int32)

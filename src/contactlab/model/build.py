@@ -16,10 +16,9 @@ from contactlab.model.bodies.thread_blocks import in_order
 from contactlab.model.history import history_of
 from contactlab.model.loading.held_bodies import check_supported
 from contactlab.model.loading.load_profile import of_nodes
-from contactlab.model.loading.loading import Loading
 from contactlab.model.loading.node_profiles import tell_unresolved
 from contactlab.model.loading.supports import plan_supports
-from contactlab.model.model import Model
+from contactlab.model.model import Loading, Model
 from contactlab.model.sizes import check_meshed_size, check_sizes
 from contactlab.model.timing import Timing, find_timing
 from contactlab.parts.error_origin import part_errors

@@ -7,12 +7,13 @@ are the results of the run, and its reason names all.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from contactlab.errors import RequestError, SimulationFailure
+from contactlab.results.files import write_summary
 from contactlab.results.result_file import FILE
 from contactlab.results.results import Results
 from contactlab.run.attempts import FINISHED, Attempt, Attempts, comes_short
@@ -105,8 +106,6 @@ class InOrder:
             others = "; ".join(attempt.brief for attempt in tried)
             own["reason"] = f"{chosen.use}, which got furthest: {chosen.reason}; the others: {others}"
         if self.folder is not None:
-            from contactlab.results.restated import restate
-
             restate(self.folder, own)
         return replace(results, summary=own)
 
@@ -163,3 +162,18 @@ def _move(source: Path, target: Path, names: list[str]) -> None:
     """Move files in this order: where `results.vtkhdf` is, a process that takes the place of a killed one goes on."""
     for name in names:
         (source / name).rename(target / name)
+
+
+def restate(folder: Path, summary: Mapping[str, Any]) -> None:
+    """Give the finished run in `folder` this summary, in `results.vtkhdf` if there is one and in `summary.json`."""
+    if (folder / FILE).is_file():
+        import h5py
+
+        from contactlab.results.stored_text import write_text
+
+        with h5py.File(folder / FILE, "r+") as file:
+            own = file["contactlab"]
+            serial = own["summary"].attrs["serial"]
+            del own["summary"]
+            write_text(own, "summary", json.dumps(summary)).attrs["serial"] = serial
+    write_summary(folder, summary)

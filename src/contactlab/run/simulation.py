@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 import sys
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from numbers import Real
 from pathlib import Path
 from time import perf_counter
+from typing import TYPE_CHECKING
 
-from contactlab.api import Watch
+from contactlab.api import Step, StepStatus, Watch
 from contactlab.arguments import NAME, arguments
 from contactlab.errors import (
     ContactlabError,
@@ -30,7 +31,6 @@ from contactlab.results.peak_memory import reset_peak
 from contactlab.results.results import Results
 from contactlab.run.ahead import compile_ahead
 from contactlab.run.attempts import Attempts
-from contactlab.run.culprit import wrong_answer
 from contactlab.run.folders import run_folder
 from contactlab.run.guards import EVERY
 from contactlab.run.in_order import InOrder, as_begun
@@ -39,11 +39,15 @@ from contactlab.run.prepare import prepare_run
 from contactlab.run.recorders import record_stored, recorders_of, when_over
 from contactlab.run.restart import finished_results
 from contactlab.run.run import Run
-from contactlab.run.steps import steps
 from contactlab.run.watches import NoGuards, Watching, WorkLimit
 from contactlab.scene.auto import is_auto
 from contactlab.scene.scene import Scene, load_scene
 from contactlab.views import view
+
+if TYPE_CHECKING:
+    from contactlab.model.bound_integrator import BoundIntegrator
+
+MOST = 52  # steps that are repeated: from one look at the model to the next, and what a fault takes to be seen
 
 OURS = (ArithmeticError, LookupError, ValueError, TypeError, AttributeError, ContactlabError)
 """What a wrong array ends in; anything else that no part raised is a mistake of the core and is shown as one."""
@@ -215,3 +219,47 @@ def _advance(run: Run, progress: Progress | None) -> None:
                 progress(schedule.fraction(), model.state.step, model.state.time, run.energy_error)
         if counts.steps % save_every == 0:
             save()  # after the frame of this step: what is saved has all of its frames
+
+
+def wrong_answer(run: Run) -> str:
+    """Step, part and method of the first answer that is not finite since the state that was kept; empty if none is.
+
+    The run is over: its state afterwards is that of the step at fault, or as it was.
+    """
+    kept = run.kept.newest
+    if kept is None:
+        return ""
+    from contactlab.model.examination import Examined
+
+    model = run.model
+    kept.bring_back(model)
+    step = model.state.step
+    advance = model.bound_integrator(Examined(model)).step
+    for number in range(step + 1, step + MOST + 1):
+        try:
+            advance(run.schedule.dt)
+        except WrongAnswer as found:
+            return f"step {number}: {found}"
+        except Exception:
+            return ""  # no part's answer is to blame: what stopped the run in the first place is told
+    return ""
+
+
+def steps(run: Run, integrator: BoundIntegrator) -> Iterator[Step]:
+    """Accepted steps until the run is over, each counted, guarded and sampled; failed ones are tried again, shorter."""
+    schedule, guards, counts, every_step = run.schedule, run.guards, run.counts, run.every_step
+    advance = run.guarded(integrator)
+    while not schedule.done():
+        step = advance(schedule.dt)
+        if step.trace:
+            run.iterated(step)
+        if step.status is not StepStatus.accepted:
+            run.taken_back(step)
+            continue
+        counts.steps += 1
+        counts.iterations += step.iterations
+        counts.sweeps += step.sweeps
+        guards.after_step(step)
+        for sample in every_step:
+            sample(step, schedule.dt)
+        yield step

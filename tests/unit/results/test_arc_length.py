@@ -10,8 +10,7 @@ import numpy as np
 
 from contactlab import load_scene, simulate
 from contactlab.api import ContactCurve
-from contactlab.results.arc_length import arc_length
-from contactlab.results.contact_report import ContactReport
+from contactlab.results.contact_report import ContactReport, arc_length
 
 SQUARE = np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 4.0], [0.0, 4.0]])
 

@@ -50,10 +50,43 @@ def in_order(
     by_colour = sorted(range(len(updates)), key=lambda number: found[number])
     if threads == 1:
         return tuple(updates[number] for number in by_colour)
-    from contactlab.model.bodies.threads import Threads
 
     team = Threads(threads)
     rounds: dict[int, list[list[Update]]] = {}
     for number in by_colour:
         rounds.setdefault(found[number], [[] for _ in range(threads)])[block_threads[number]].append(updates[number])
     return tuple(team.together([thread for thread in dealt if thread]) for dealt in rounds.values())
+
+
+class Threads:
+    """The caller's own thread and `threads` - 1 more, which live as long as this object is used.
+
+    Compiled kernels release the interpreter's lock.
+    """
+
+    def __init__(self, threads: int) -> None:
+        from concurrent.futures import ThreadPoolExecutor
+
+        self.pool = ThreadPoolExecutor(threads - 1, thread_name_prefix="contactlab-cells")
+
+    def together(self, shares: Sequence[Sequence[Update]]) -> Update:
+        """One call that makes those of every share in turn, the shares side by side; it ends when all are done."""
+        own, others = shares[0], shares[1:]
+        submit = self.pool.submit
+
+        def update(dt: float) -> None:
+            waiting = [submit(_run, share, dt) for share in others]
+            try:
+                _run(own, dt)
+            finally:
+                for other in waiting:
+                    other.exception()  # nobody goes on while a share still writes
+            for other in waiting:
+                other.result()
+
+        return update
+
+
+def _run(share: Sequence[Update], dt: float) -> None:
+    for update in share:
+        update(dt)

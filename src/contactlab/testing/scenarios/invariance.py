@@ -4,21 +4,53 @@ from __future__ import annotations
 
 import math
 import pickle
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from contactlab.api import Floats, Job, Potential, StepStatus
+from contactlab.api import Element, Floats, Job, Mesh, MeshSource, Potential, StepStatus
 from contactlab.cases.verdict import allowed, invariants_of
+from contactlab.errors import Where
 from contactlab.jobs.record import record_of
 from contactlab.model.build import build
 from contactlab.model.memory import model_memory, restore_model
+from contactlab.parts.registry import Registry
 from contactlab.scene.scene import Scene
 from contactlab.testing.assertions import Expected, NotApplicable, identical, require
-from contactlab.testing.scenarios.renumbering import Renumbering
 from contactlab.testing.scenarios.runs import Answers, Mode, half_passes, modes_of, plain, pressed, run, same
 from contactlab.testing.subject import Subject
 from contactlab.testing.units import in_other_units
+
+
+@dataclass(frozen=True)
+class Renumbered(MeshSource):
+    """The mesh of another source with nodes, cells and edges in random order, the same in every call."""
+
+    source: MeshSource
+
+    def mesh(self, element: Element, level: int) -> Mesh:
+        """As the source's, renumbered."""
+        random, plain = np.random.default_rng(5), self.source.mesh(element, level)
+        to = random.permutation(len(plain.nodes)).astype(np.int32)
+        nodes = np.empty_like(plain.nodes)
+        nodes[to] = plain.nodes
+        cells = np.ascontiguousarray(to[plain.cells][random.permutation(len(plain.cells))])
+        edges = {name: to[some][random.permutation(len(some))] for name, some in plain.edges.items()}
+        return replace(plain, nodes=nodes, cells=cells, edges=edges)
+
+
+class Renumbering(Registry):
+    """A registry whose meshes come renumbered."""
+
+    def __init__(self, of: Registry) -> None:
+        vars(self).update(vars(of))
+
+    def make(self, kind: str, spec: Any, where: Where = "") -> Any:
+        """As the other registry's, meshes renumbered."""
+        made = super().make(kind, spec, where)
+        return Renumbered(made) if kind == "mesh" else made
+
 
 SAME: dict[Mode, float] = {"explicit": 1e-8, "statics": 1e-6}
 """Of the largest value: round-off of 100 steps with contact solved to 1e-10 of a segment; Newton's tolerance."""

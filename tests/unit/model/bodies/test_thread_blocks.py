@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from contactlab.model.bodies import body as body_module
-from contactlab.model.bodies.thread_blocks import colours, in_order, threads_of_blocks
-from contactlab.model.bodies.threads import Threads
+from contactlab.model.bodies.thread_blocks import Threads, colours, in_order, threads_of_blocks
 from contactlab.model.build import build
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene, load_scene
