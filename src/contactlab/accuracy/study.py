@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -142,12 +141,19 @@ def find_case_study(request: str) -> CaseStudy | None:
         return None
     data.setdefault("name", path.stem)
     study = read_table(CaseStudy, data, location(str(path), lines), path=path)
-    _check_quick(study)
-    _check_labels(study)
-    return study
-
-
-def _check_labels(study: CaseStudy) -> None:
+    elements = list(dict.fromkeys(c.element for c in study.contenders))
+    ways = list(dict.fromkeys(c.way for c in study.contenders))
+    for wanted, known, what in (
+        (study.quick.cases, [case.label for case in study.cases], "cases"),
+        (study.quick.elements, elements, "elements"),
+        (study.quick.ways, ways, "ways"),
+    ):
+        for name in wanted:
+            if name not in known:
+                raise RequestError(
+                    f"quick.{what} names what the study has not", where=f"{study.path}, quick.{what}", got=name,
+                    allowed=", ".join(known), hint=did_you_mean(name, known),
+                )  # fmt: skip
     seen: set[str] = set()
     for choice in study.cases:
         if choice.label in seen:
@@ -155,19 +161,4 @@ def _check_labels(study: CaseStudy) -> None:
                 "two cases have the same name", where=f"{study.path}, cases", got=choice.label, hint="add a key name"
             )
         seen.add(choice.label)
-
-
-def _check_quick(study: CaseStudy) -> None:
-    for wanted, known, what in _quick_names(study):
-        for name in wanted:
-            if name not in known:
-                raise RequestError(
-                    f"quick.{what} names what the study has not", where=f"{study.path}, quick.{what}", got=name,
-                    allowed=", ".join(known), hint=did_you_mean(name, known),
-                )  # fmt: skip
-
-
-def _quick_names(study: CaseStudy) -> Iterator[tuple[tuple[str, ...], list[str], str]]:
-    yield study.quick.cases, [case.label for case in study.cases], "cases"
-    yield study.quick.elements, list(dict.fromkeys(c.element for c in study.contenders)), "elements"
-    yield study.quick.ways, list(dict.fromkeys(c.way for c in study.contenders)), "ways"
+    return study

@@ -56,7 +56,12 @@ def plugin_files(kind: str, name: str, *, with_ci: bool = False, start: str = ""
     if kind not in KINDS:
         raise RequestError("no such kind of part", got=kind, allowed=", ".join(KINDS), hint=did_you_mean(kind, KINDS))
     refuse_name(name)
-    part, test, summary = _way(kind, start)
+    ways = WAYS.get(kind, {"": ("part.py", "test.py", "")})
+    way = start or next(iter(ways))
+    if way not in ways:
+        allowed = ", ".join(ways) if kind in WAYS else "nothing for this kind"
+        raise RequestError("no such way to write a part", where="--from", got=way, allowed=allowed)
+    part, test, summary = ways[way]
     words = _words(kind, name, summary)
     module = f"src/{_module(name)}"
     shared = {
@@ -75,15 +80,6 @@ def plugin_files(kind: str, name: str, *, with_ci: bool = False, start: str = ""
         f"{module}/{kind}.py": _filled(f"{kind}/{part}", words),
         f"tests/test_{_module(name)}.py": _filled(f"{kind}/{test}", words),
     }
-
-
-def _way(kind: str, start: str) -> tuple[str, str, str]:
-    ways = WAYS.get(kind, {"": ("part.py", "test.py", "")})
-    way = start or next(iter(ways))
-    if way not in ways:
-        allowed = ", ".join(ways) if kind in WAYS else "nothing for this kind"
-        raise RequestError("no such way to write a part", where="--from", got=way, allowed=allowed)
-    return ways[way]
 
 
 def refuse_name(name: str) -> None:

@@ -37,7 +37,11 @@ def plot(options: argparse.Namespace) -> int:
             raise RequestError("runs are chosen in a comparison", where="--runs", got=str(folder), allowed="its folder")
         drawn = _of_run(load_results(folder), options)
     if moving:
-        _save_animation(drawn, file)
+        from contactlab.reports.figures import house_style
+
+        writer = "ffmpeg" if file.suffix.lower() == ".mp4" else "pillow"
+        with house_style():
+            drawn.save(file, writer=writer, fps=FRAMES_PER_SECOND, dpi=100)
     else:
         drawn.savefig(file, **({"dpi": DPI} if file.suffix.lower() == ".png" else {}))
     console().say(f"{options.what}: {file}")
@@ -114,11 +118,3 @@ def _bodies(folder: Path, names: list[str], options: argparse.Namespace) -> Any:
 
 def _frame(options: argparse.Namespace) -> int:
     return -1 if options.frame is None else int(options.frame)
-
-
-def _save_animation(animation: Any, file: Path) -> None:
-    from contactlab.reports.figures import house_style
-
-    writer = "ffmpeg" if file.suffix.lower() == ".mp4" else "pillow"
-    with house_style():
-        animation.save(file, writer=writer, fps=FRAMES_PER_SECOND, dpi=100)

@@ -29,7 +29,14 @@ class ConditionDifferences:
     def __init__(self, pair: GapPair) -> None:
         self.pair = pair
         self.reach = _reach(pair)
-        self.size = _sizes(pair)
+        # length (N,) [mm] of the shortest segment at each node: on graded meshes others are a hundred times as long
+        size = np.full(len(pair.of_slave), np.inf)
+        for surface, at in ((pair.slave, pair.at.slave), (pair.master, pair.at.master)):
+            ends = at[surface.segments]
+            length = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
+            for end in surface.segments.T:
+                np.minimum.at(size, surface.nodes[end], length)
+        self.size = np.where(np.isfinite(size), size, pair.size)
         self.colours: dict[int, _Colours] = {}  # by how often the pattern was widened
         self.at_once = np.random.default_rng(0).uniform(-1.0, 1.0, (len(pair.of_slave), 2))
 
@@ -174,14 +181,3 @@ def _aligned(found: GapConditions, order: Ints, trial: GapConditions, slots: int
     out[kept] = trial.normal_weight[entry]
     out[np.isin(row, row[kept[differs]])] = np.nan
     return out
-
-
-def _sizes(pair: GapPair) -> Floats:
-    """Length (N,) [mm] of the shortest segment at each node: on graded meshes others are a hundred times as long."""
-    size = np.full(len(pair.of_slave), np.inf)
-    for surface, at in ((pair.slave, pair.at.slave), (pair.master, pair.at.master)):
-        ends = at[surface.segments]
-        length = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
-        for end in surface.segments.T:
-            np.minimum.at(size, surface.nodes[end], length)
-    return np.where(np.isfinite(size), size, pair.size)

@@ -44,16 +44,13 @@ class MomentFreeRows:
         self.count = np.maximum(np.bincount(self.row, minlength=self.shape[0]), 1)
         self.start = np.concatenate([[0], 2 * np.cumsum(np.bincount(self.row, minlength=self.shape[0]))])
         self.column = (2 * self.node[:, None] + np.arange(2)).ravel()
-        self.paired = self._balance()
-        self.about(np.zeros((nodes, 2)))
-
-    def _balance(self) -> Flags:
-        """Take out what is left of the sums of rows (c,) that push both sides; which ones do."""
+        # what is left of the sums of rows that push both sides is taken out
         size = self._sum(np.abs(self.given).sum(axis=1))
         left = np.stack([self._sum(self.given[:, i]) for i in range(2)], axis=1)
         paired: Flags = np.abs(left).max(axis=1, initial=0.0) <= PAIRED * size
         self.given -= np.where(paired[:, None], left / self.count[:, None], 0.0)[self.row]
-        return paired
+        self.paired = paired
+        self.about(np.zeros((nodes, 2)))
 
     def about(self, position: Floats) -> None:
         """Let the moment about `position` (N, 2) vanish."""

@@ -55,7 +55,13 @@ class OperatorPair(ContactPair):
         self.coupling = Coupling(
             slave, algorithm.rows_per_node, algorithm.carriers(slave), fixed, algorithm.merged_below
         )
-        self.cover, self.full, self.widths = self.coupling.cover, self.coupling.full, _widths(algorithm, slave, master)
+        widths = algorithm.widths(slave, master)
+        if np.shape(widths) != (3,) or min(widths) < 1:
+            raise WrongAnswer(
+                f"{type(algorithm).__name__}: widths gave {widths}, needed: how many slave nodes, multipliers and "
+                "master nodes a piece couples"
+            )
+        self.cover, self.full, self.widths = self.coupling.cover, self.coupling.full, widths
         self.measured, self.separation = SurfacePositions(*(x.copy() for x in self.at)), np.zeros((k, 2))
         self.pieces = Pieces.allocate(0, self.widths, k)
         self.columns = BothSides(BandedRows.allocate(k, 8), BandedRows.allocate(k, 8))
@@ -223,16 +229,6 @@ class OperatorPair(ContactPair):
         if self.corners is None or not self.corners.touching:
             return seen
         return with_corners(self, seen, state["multipliers"])
-
-
-def _widths(algorithm: ContactAlgorithm, slave: Surface, master: Surface) -> tuple[int, int, int]:
-    widths = algorithm.widths(slave, master)
-    if np.shape(widths) != (3,) or min(widths) < 1:
-        raise WrongAnswer(
-            f"{type(algorithm).__name__}: widths gave {widths}, needed: how many slave nodes, multipliers and "
-            "master nodes a piece couples"
-        )
-    return widths
 
 
 def refuse_wrong(pieces: Pieces, count: Any, slave_nodes: int, master_nodes: int, part: str) -> None:

@@ -46,11 +46,6 @@ def _rows(law: NormalLaw, gap: Floats, named: dict[str, Any]) -> tuple[Floats, .
     return (np.stack([np.broadcast_to(value, gap.shape) for value in values]),)
 
 
-def _fields(kind: type[NormalLaw]) -> tuple[str, ...]:
-    rows = {"position": ("x", "y")}
-    return tuple(row for name in kind.named() for row in rows.get(name, (name,)))
-
-
 @cache
 def _kernel(kind: type[NormalLaw], name: str, first: tuple[str, ...]) -> Any:
     """The loop for a formula that is differentiated by the numbers `first` and by a traction that the law needs."""
@@ -75,5 +70,6 @@ def _kernel(kind: type[NormalLaw], name: str, first: tuple[str, ...]) -> Any:
     exec(f"def law({', '.join(given)}):\n    return {call}", names)
     put = {loops.FORMULA: names["law"], loops.PARAMETERS: parameters_of(kind)}
     if named and "traction" not in named:
-        put[loops.NAMED] = namedtuple("Named", _fields(kind))
+        parts = {"position": ("x", "y")}
+        put[loops.NAMED] = namedtuple("Named", tuple(row for name in kind.named() for row in parts.get(name, (name,))))
     return made(loop, f"{kind.__module__}.{kind.__qualname__}.{name}", put)

@@ -41,7 +41,13 @@ def call(pool: str, content: bytes, limit: float | None, folder: Path | None, to
     with TemporaryDirectory(dir=os.environ.get(SCRATCH)) as scratch:
         here = Path(scratch) / folder.name
         kind, result = _serve(pool, function, tuple(here if a == folder else a for a in arguments), limit)
-        return kind, result, _packed(here)
+        # the files that the call left, as one archive
+        file = io.BytesIO()
+        with tarfile.open(fileobj=file, mode="w:gz", compresslevel=1) as packed:
+            for path in sorted(here.rglob("*")) if here.is_dir() else ():
+                if path.is_file():
+                    packed.add(path, path.relative_to(here).as_posix())
+        return kind, result, file.getvalue()
 
 
 def _serve(pool: str, function: Callable[..., Any], arguments: tuple[Any, ...], limit: float | None) -> tuple[str, Any]:
@@ -107,16 +113,6 @@ def close() -> None:
     with _lock:
         while _idle:
             _idle.pop().close()
-
-
-def _packed(folder: Path) -> bytes:
-    """The files that a call left, as one archive."""
-    file = io.BytesIO()
-    with tarfile.open(fileobj=file, mode="w:gz", compresslevel=1) as packed:
-        for path in sorted(folder.rglob("*")) if folder.is_dir() else ():
-            if path.is_file():
-                packed.add(path, path.relative_to(folder).as_posix())
-    return file.getvalue()
 
 
 def unpack(files: bytes, folder: Path) -> None:

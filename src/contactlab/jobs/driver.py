@@ -290,17 +290,18 @@ class Driver:
                 self._ready.add(waiting.run.composition)
                 self.progress.say("")
             if future is not None:
-                self._took(waiting, future)
+                run = waiting.run
+                del self._under_way[run.identity]
+                record, content = self._outcome(run, future)
+                if content is not None and self.archive is not None:
+                    key = run.limit_key if "cpu_limit" in record.summary else run.key
+                    cost = record.summary.get("cost", {})
+                    work = record.summary.get("steps", 0) + record.summary.get("iterations", 0)
+                    cpu = record.summary["process_s"] - float(cost.get("compile_s", 0.0))
+                    end = (record.status, record.reason, work, cpu, content)
+                    self.archive.add_run(StoredRun(key, run.name, run.scene.toml(), *end, record.summary["machine"]))
+                self._settle(waiting, record)
         self._look()
-
-    def _took(self, waiting: _Waiting, future: Future[bytes]) -> None:
-        run = waiting.run
-        del self._under_way[run.identity]
-        record, content = self._outcome(run, future)
-        if content is not None and self.archive is not None:
-            key = run.limit_key if "cpu_limit" in record.summary else run.key
-            self.archive.add_run(_stored(key, run, record, content))
-        self._settle(waiting, record)
 
     def _settle(self, waiting: _Waiting, record: Record) -> None:
         self.progress.ended(waiting.run.name)
@@ -369,14 +370,6 @@ class Driver:
             print("contactlab: ending them at once; what was saved last is kept", file=sys.stderr, flush=True)
             self._asked_to_stop = 1
             self._pool.kill()
-
-
-def _stored(key: str, run: Run, record: Record, content: bytes) -> StoredRun:
-    cost = record.summary.get("cost", {})
-    work = record.summary.get("steps", 0) + record.summary.get("iterations", 0)
-    cpu = record.summary["process_s"] - float(cost.get("compile_s", 0.0))
-    end = (record.status, record.reason, work, cpu, content)
-    return StoredRun(key, run.name, run.scene.toml(), *end, record.summary["machine"])
 
 
 def _claimed(folder: Path) -> int | None:

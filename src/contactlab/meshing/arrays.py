@@ -110,18 +110,14 @@ def _parts(points: Any, cells: Any) -> _Parts:
     if hasattr(points, "getPhysicalGroups") and hasattr(points, "mesh"):
         return _of_gmsh(points, "" if cells is None else str(cells))
     if hasattr(points, "celltypes") and hasattr(points, "cells_dict"):
-        return _of_grid(points)
+        found = {VTK[kind]: nodes for kind, nodes in points.cells_dict.items() if int(kind) in VTK}
+        if len(found) != 1:
+            kinds = ", ".join(CELLS[count] for count in found) or "no plane cells"
+            raise ValueError(f"the grid has {kinds}, allowed: cells of one kind")
+        return _Parts(np.asarray(points.points, float), np.asarray(next(iter(found.values())), np.int64))
     if cells is None:
         raise RequestError("cells are needed beside points", where="contactlab.mesh", allowed="node numbers (n, 4)")
     return _Parts(np.asarray(points, float), np.asarray(cells, np.int64))
-
-
-def _of_grid(grid: Any) -> _Parts:
-    found = {VTK[kind]: nodes for kind, nodes in grid.cells_dict.items() if int(kind) in VTK}
-    if len(found) != 1:
-        kinds = ", ".join(CELLS[count] for count in found) or "no plane cells"
-        raise ValueError(f"the grid has {kinds}, allowed: cells of one kind")
-    return _Parts(np.asarray(grid.points, float), np.asarray(next(iter(found.values())), np.int64))
 
 
 def _of_gmsh(model: Any, group: str) -> _Parts:

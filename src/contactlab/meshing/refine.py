@@ -34,7 +34,13 @@ def refined(quads: Quads, element: Element, level: int) -> Mesh:
     """Every cell cut into level x level, with the nodes of `element`; curved cells stay curved."""
     steps = level * lattice_order(element)
     numbers = _lattice_numbers(quads.cells[:, :4], steps)
-    grid = _subcells(element, level)
+    # lattice positions (level^2, a) of the nodes of every sub-cell, row by row
+    order = lattice_order(element)
+    width = level * order + 1
+    i, j = np.meshgrid(np.arange(level), np.arange(level))
+    corner = order * (j.ravel() * width + i.ravel())
+    offset = np.rint((element.nodes + 1.0) / 2.0 * order).astype(int)
+    grid = np.asarray(corner[:, None] + offset[:, 1] * width + offset[:, 0])
     cells = numbers[:, grid].reshape(-1, len(element.nodes))
     used, first = np.unique(cells, return_index=True)
     # positions (n, (steps + 1)^2, 2) of the lattice, by the cells' own shape functions
@@ -47,16 +53,6 @@ def refined(quads: Quads, element: Element, level: int) -> Mesh:
     renumbered: Ints = final[cells]
     edges = {name: _edges(renumbered, side, element, level) for name, side in quads.sides.items()}
     return Mesh(np.ascontiguousarray(place), renumbered, edges)
-
-
-def _subcells(element: Element, level: int) -> Indices:
-    """Lattice positions (level^2, a) of the nodes of every sub-cell, row by row."""
-    order = lattice_order(element)
-    width = level * order + 1
-    i, j = np.meshgrid(np.arange(level), np.arange(level))
-    corner = order * (j.ravel() * width + i.ravel())
-    offset = np.rint((element.nodes + 1.0) / 2.0 * order).astype(int)
-    return np.asarray(corner[:, None] + offset[:, 1] * width + offset[:, 0])
 
 
 def _lattice_numbers(corners: Indices, steps: int) -> Indices:

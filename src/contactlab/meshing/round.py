@@ -146,7 +146,13 @@ def welded(grids: Iterable[Mesh]) -> Mesh:
     grids = list(grids)
     first = np.cumsum([0, *(len(grid.nodes) for grid in grids)])
     nodes = np.concatenate([grid.nodes for grid in grids])
-    number = _merged(nodes)
+    # for every node the lowest node at its place
+    from scipy.spatial import cKDTree
+
+    number = np.arange(len(nodes))
+    for a, b in sorted(cKDTree(nodes).query_pairs(SAME * float(np.ptp(nodes, axis=0).max()))):
+        number[b] = min(number[b], number[a])
+    number = number.astype(np.int32)
     kept, final = np.unique(number, return_inverse=True)
     final = final.astype(np.int32)
     edges: dict[str, list[Ints]] = {}
@@ -155,13 +161,3 @@ def welded(grids: Iterable[Mesh]) -> Mesh:
             edges.setdefault(name, []).append(final[some + begin])
     cells = np.concatenate([final[grid.cells + begin] for grid, begin in zip(grids, first, strict=False)])
     return Mesh(np.ascontiguousarray(nodes[kept]), cells, {name: np.concatenate(some) for name, some in edges.items()})
-
-
-def _merged(nodes: Floats) -> Ints:
-    """Find for every node the lowest node at its place."""
-    from scipy.spatial import cKDTree
-
-    number = np.arange(len(nodes))
-    for a, b in sorted(cKDTree(nodes).query_pairs(SAME * float(np.ptp(nodes, axis=0).max()))):
-        number[b] = min(number[b], number[a])
-    return number.astype(np.int32)

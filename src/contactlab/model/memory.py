@@ -9,16 +9,12 @@ which the stable step is followed.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contactlab.api import Floats
 from contactlab.model.explicit_model import ExplicitModel
 from contactlab.model.model import Model
-
-if TYPE_CHECKING:
-    from contactlab.contact.pair import ContactPair
 
 
 def model_memory(model: Model) -> dict[str, Floats]:
@@ -39,7 +35,11 @@ def model_memory(model: Model) -> dict[str, Floats]:
         memory[f"frequency.{limit.body.name}"] = limit.frequency
         memory[f"cell_size.{limit.body.name}"] = limit.before
     for pair in model.contact.passes if model.contact is not None else ():
-        memory |= _near_memory(pair)
+        if pair.near is not None:
+            slave, master = pair.near.slave, pair.near.master
+        else:
+            slave, master = np.full_like(pair.at.slave, np.nan), np.full_like(pair.at.master, np.nan)
+        memory |= {f"near.{pair.name}.slave": slave, f"near.{pair.name}.master": master}
     return memory
 
 
@@ -57,11 +57,3 @@ def restore_model(model: Model, memory: Mapping[str, Floats]) -> None:
         slave, master = memory[f"near.{pair.name}.slave"], memory[f"near.{pair.name}.master"]
         if not np.isnan(slave).any():
             pair.restore(slave, master)
-
-
-def _near_memory(pair: ContactPair) -> dict[str, Floats]:
-    if pair.near is not None:
-        slave, master = pair.near.slave, pair.near.master
-    else:
-        slave, master = np.full_like(pair.at.slave, np.nan), np.full_like(pair.at.master, np.nan)
-    return {f"near.{pair.name}.slave": slave, f"near.{pair.name}.master": master}

@@ -328,14 +328,11 @@ def split_spec(kind: str, spec: Any, where: Where) -> tuple[str, dict[str, Any]]
     fields = {str(name): value for name, value in spec.items()}
     name = fields.pop("use", NOTHING)
     if name is NOTHING:
-        raise SceneError('the key "use" is missing', where=where, got=spec, allowed=allowed, hint=_use_hint(fields))
+        hint = "did you mean " + show({"use": "NAME", **fields}) + "?"
+        raise SceneError('the key "use" is missing', where=where, got=spec, allowed=allowed, hint=hint)
     if not isinstance(name, str):
         raise SceneError(f"a {kind} is named here", where=below(where, "use"), got=name, allowed=allowed)
     return name, fields
-
-
-def _use_hint(fields: Mapping[str, Any]) -> str:
-    return "did you mean " + show({"use": "NAME", **fields}) + "?"
 
 
 def _fault_of(part: Any) -> str:

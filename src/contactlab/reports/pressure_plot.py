@@ -77,7 +77,13 @@ def pressure_figure(table: Table) -> Figure:
         _limits(grid[0, 0], rows, table.reference)
         _mark_cut_peaks(places, found, cases, algorithms, units)
         figure.supxlabel(with_unit("deformed position x", units.length), color=MUTED, fontsize=9.5)
-        _legend(figure, table)
+        entries: list[Patch | Line2D] = []
+        if table.reference is not None:
+            entries.append(Patch(facecolor=REFERENCE, edgecolor=REFERENCE, alpha=0.4, label="reference"))
+        entries.append(Line2D([], [], color=MUTED, marker="o", markersize=3, label="run, nodal values"))
+        if any(not row.finished for row in table.main):
+            entries.append(Line2D([], [], color=MUTED, linestyle=_DASHES, label="did not finish (last frame)"))
+        figure.legend(handles=entries, loc="outside upper right", ncols=len(entries), fontsize=8.5, labelcolor=MUTED)
     return figure
 
 
@@ -99,16 +105,6 @@ def pressures_in(table: Table, axes: Axes) -> Figure:
         axes.set_ylabel(with_unit("pressure", units.pressure))
         axes.legend(fontsize=8.0)
     return figure_of(axes)
-
-
-def _legend(figure: Figure, table: Table) -> None:
-    entries: list[Patch | Line2D] = []
-    if table.reference is not None:
-        entries.append(Patch(facecolor=REFERENCE, edgecolor=REFERENCE, alpha=0.4, label="reference"))
-    entries.append(Line2D([], [], color=MUTED, marker="o", markersize=3, label="run, nodal values"))
-    if any(not row.finished for row in table.main):
-        entries.append(Line2D([], [], color=MUTED, linestyle=_DASHES, label="did not finish (last frame)"))
-    figure.legend(handles=entries, loc="outside upper right", ncols=len(entries), fontsize=8.5, labelcolor=MUTED)
 
 
 def _case(row: Row, rows: Sequence[Row]) -> str:
@@ -135,7 +131,13 @@ def _panel(axes: Axes, row: Row | None, reference: Reference | None, style: Styl
             linestyle="-" if row.finished else _DASHES,
             clip_on=True,
         )
-    _write_result(axes, row)
+    error = row["pressure_error"]
+    text = f"error {percent(error)} %" if error == error else ""
+    if not row.finished:
+        text = "\n".join(filter(None, [row.status, text]))
+        if row.curve is None:
+            text += "\n" + textwrap.fill(row.reason, 40, max_lines=3, placeholder=" ...")
+    axes.text(0.02, 0.96, text, transform=axes.transAxes, ha="left", va="top", color=INK if row.finished else ALARM)
 
 
 def _line(row: Row) -> tuple[Floats, Floats]:
@@ -151,16 +153,6 @@ def _line(row: Row) -> tuple[Floats, Floats]:
 def _draw_reference(axes: Axes, reference: Reference) -> None:
     axes.fill_between(reference.profile.x, reference.profile.value, color=REFERENCE, alpha=0.22, linewidth=0.0)
     axes.plot(reference.profile.x, reference.profile.value, color=REFERENCE, linewidth=1.0)
-
-
-def _write_result(axes: Axes, row: Row) -> None:
-    error = row["pressure_error"]
-    text = f"error {percent(error)} %" if error == error else ""
-    if not row.finished:
-        text = "\n".join(filter(None, [row.status, text]))
-        if row.curve is None:
-            text += "\n" + textwrap.fill(row.reason, 40, max_lines=3, placeholder=" ...")
-    axes.text(0.02, 0.96, text, transform=axes.transAxes, ha="left", va="top", color=INK if row.finished else ALARM)
 
 
 def _limits(axes: Axes, rows: Sequence[Row], reference: Reference | None) -> None:

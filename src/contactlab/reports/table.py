@@ -175,18 +175,14 @@ def _notes(table: Table, empty: Sequence[str]) -> list[Text]:
         Text.assemble((f"{number} ".translate(_RAISED), "bold"), failure(rows))
         for number, rows in enumerate(failed_alike(table), start=1)
     ]
-    notes += _warnings(table)
-    notes.append(_reference_note(table))
-    return [*notes, Text("no run has: " + ", ".join(empty), style="dim")] if empty else notes
-
-
-def _warnings(table: Table) -> list[Text]:
-    """A line per kind of warning: the worst of it, and how many more runs have it."""
+    # a line per kind of warning: the worst of it, and how many more runs have it
     found: dict[str, list[tuple[Row, RunWarning]]] = {}
     for row in table.rows:
         for code, warning in {warning.code: warning for warning in row.warnings}.items():
             found.setdefault(code, []).append((row, warning))
-    return [_warning(code, seen) for code, seen in found.items()]
+    notes += [_warning(code, seen) for code, seen in found.items()]
+    notes.append(_reference_note(table))
+    return [*notes, Text("no run has: " + ", ".join(empty), style="dim")] if empty else notes
 
 
 def _warning(code: str, seen: Sequence[tuple[Row, RunWarning]]) -> Text:

@@ -115,15 +115,12 @@ class Slots:
         if header[SERIAL] == 0 or header[CHECKSUM] != _checksum(flat, text, header[:CHECKSUM]):
             return None
         summary = text.tobytes().decode(errors="ignore")
-        return Checkpoint(self._arrays(flat), summary, *(int(header[i]) for i in (FRAMES, STEPS, EVENTS)))
-
-    def _arrays(self, flat: Floats) -> dict[str, Floats]:
         arrays, begin = {}, 0
         for name, shape in self.shapes.items():
             size = int(np.prod(shape, dtype=np.int64))
             arrays[name] = flat[begin : begin + size].reshape(shape)
             begin += size
-        return arrays
+        return Checkpoint(arrays, summary, *(int(header[i]) for i in (FRAMES, STEPS, EVENTS)))
 
 
 def header_of(counts: np.ndarray, flat: Floats, text: np.ndarray) -> np.ndarray:

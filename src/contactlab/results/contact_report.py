@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 
 from contactlab.api import Floats, Ints, State
-from contactlab.api.arrays import Flags
 from contactlab.contact.pair import ContactPair, ContactSnapshot, turned
 from contactlab.kernels.contact.factored_rows import FAR
 from contactlab.kernels.contact.penetration import depths, with_midpoints
@@ -84,13 +83,16 @@ def report_contact(pair: ContactPair, state: State, reference: Floats, position:
     states = states_of(pair, seen, bound)
     depth, side = _penetration(pair, seen)
     along = arc_length(reference[pair.slave.nodes], pair.slave.segments)
+    forces = seen.forces[0]
+    pressed = (forces > 0.0) & (seen.cover > 0.0)
+    per_length = np.asarray(np.divide(forces, seen.cover, out=np.zeros_like(forces), where=pressed))
     curve = ContactCurve(
         s=along.s,
         x=seen.at.slave[:, 0].copy(),
         y=seen.at.slave[:, 1].copy(),
         pressure=pressure,
         shear=shear,
-        nodal_pressure=between(pair, per_node(pair, _per_length(seen))),
+        nodal_pressure=between(pair, per_node(pair, per_length)),
         gap=values["gap"],
         state=values["state"],
         chain=along.chain,
@@ -114,12 +116,6 @@ def report_contact(pair: ContactPair, state: State, reference: Floats, position:
         active=int(np.count_nonzero(states)),
         sticking=int(np.count_nonzero(states == 1)),
     )
-
-
-def _per_length(seen: ContactSnapshot) -> Floats:
-    forces = seen.forces[0]
-    pressed = (forces > 0.0) & (seen.cover > 0.0)
-    return np.asarray(np.divide(forces, seen.cover, out=np.zeros_like(forces), where=pressed))
 
 
 def _remembered(pair: ContactPair, values: Floats) -> Floats:
@@ -164,7 +160,12 @@ def _integral(
         if len(pressed) and len(free):
             apart = np.abs(seen.at.slave[free, None] - seen.at.slave[pressed]).sum(axis=2)
             owner[free] = pressed[apart.argmin(axis=1)]
-        vertex = (_is_vertex(pair, edge) & bears)[owner][pair.slave.segments]
+        # where the slave ends or turns by more than VERTEX
+        before, after = pair.slave.node_segments.T
+        along = edge / np.hypot(*edge.T)[:, None]
+        turn = along[before, 0] * along[after, 1] - along[before, 1] * along[after, 0]
+        vertices = np.asarray((before < 0) | (after < 0) | (np.abs(turn) > VERTEX))
+        vertex = (vertices & bears)[owner][pair.slave.segments]
         lengths = np.broadcast_to(np.hypot(*edge.T)[:, None], vertex.shape)
         direction = (force / np.where(bears, size, 1.0)[:, None])[owner]
         inward[vertex] = lengths[vertex][:, None] * direction[pair.slave.segments[vertex]]
@@ -179,14 +180,6 @@ def _simpson(x: Floats, pressure: Floats, shear: Floats) -> Floats:
     inward = np.stack([-weighted[..., 1], weighted[..., 0]], axis=-1)
     total, along = (np.einsum("ek,ekd->d", values, inward) for values in (pressure, shear))
     return np.asarray(total + turned(along[None])[0])
-
-
-def _is_vertex(pair: ContactPair, edge: Floats) -> Flags:
-    """Whether (m,) the slave ends or turns by more than VERTEX at each node."""
-    before, after = pair.slave.node_segments.T
-    direction = edge / np.hypot(*edge.T)[:, None]
-    turn = direction[before, 0] * direction[after, 1] - direction[before, 1] * direction[after, 0]
-    return np.asarray((before < 0) | (after < 0) | (np.abs(turn) > VERTEX))
 
 
 def _penetration(pair: ContactPair, seen: ContactSnapshot) -> tuple[float, str]:

@@ -18,16 +18,14 @@ class FinalFields:
     def __init__(self, layout: Layout, checkpoint: Checkpoint | None, frames: StoredFrames) -> None:
         memory: Mapping[str, Floats] = checkpoint.memory if checkpoint is not None else {}
         last = frames[-1] if not memory and len(frames) else None
-        self.displacement = last.displacement if last else memory.get("state.displacement", _no_field(layout)).copy()
+        self.displacement = (
+            last.displacement if last else memory.get("state.displacement", np.zeros_like(layout.nodes)).copy()
+        )
         self.velocity = last.velocity if last else memory.get("state.velocity", np.zeros((0, 2))).copy()
         self.stress = {body.name: _points(memory, "stress", body) for body in layout.bodies} if memory else {}
         self.internal_variables = {
             body.name: _variables(memory, body) for body in layout.bodies if body.internal_variables and memory
         }
-
-
-def _no_field(layout: Layout) -> Floats:
-    return np.zeros_like(layout.nodes)
 
 
 def _blocks(memory: Mapping[str, Floats], what: str, body: BodyLayout) -> list[Floats]:

@@ -102,7 +102,10 @@ class Column:
             plist = early()
             limits = (None, *(n or None for n in shape))  # chunks have to fit into them, those of empty rows as well
             group.create_dataset(name, (0, *shape), maxshape=limits, dtype=dtype, chunks=chunk, dcpl=plist)
-        self.dataset = h5py.Dataset(h5py.h5d.open(group.id, name.encode(), _uncached()))
+        # access to a dataset of which HDF5 keeps no chunks in memory
+        uncached = h5py.h5p.create(h5py.h5p.DATASET_ACCESS)
+        uncached.set_chunk_cache(0, 0, 1.0)
+        self.dataset = h5py.Dataset(h5py.h5d.open(group.id, name.encode(), uncached))
         self.first = self.dataset.chunks[0]  # entries of a chunk
         self.dtype = self.dataset.dtype  # of a file that was begun with another one, that one
         self.sum = 0
@@ -187,13 +190,6 @@ def fixed(group: h5py.Group, name: str, shape: tuple[int, ...], dtype: Any) -> h
     plist = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
     plist.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
     return group.create_dataset(name, shape, dtype=dtype, dcpl=plist)
-
-
-def _uncached() -> Any:
-    """Access to a dataset of which HDF5 keeps no chunks in memory."""
-    plist = h5py.h5p.create(h5py.h5p.DATASET_ACCESS)
-    plist.set_chunk_cache(0, 0, 1.0)
-    return plist
 
 
 def early() -> Any:

@@ -96,7 +96,11 @@ def summarise(
         "format": FORMAT,
         "scene": layout.title,
         "resolved": model.timing.resolved(),
-        "history": _history(model),
+        "history": {
+            "matters": bool(model.history),
+            "because": list(model.history.because),
+            "curve": curve_of(model),
+        },
         "status": status,
         "reason": reason,
         "parts": dict(layout.parts),
@@ -114,15 +118,6 @@ def summarise(
         else {name: _contact(c) | _derived(model, name) | _start(model, name) for name, c in sample.contacts.items()},
         "balance": {} if sample is None else _balance(sample),
         "invariants": [] if sample is None else [one.as_data() for one in invariants(model, sample, largest_force)],
-    }
-
-
-def _history(model: Model) -> dict[str, Any]:
-    """Whether the end depends on the loading path, by which keys, and what `history.csv` is a curve of."""
-    return {
-        "matters": bool(model.history),
-        "because": list(model.history.because),
-        "curve": curve_of(model),
     }
 
 

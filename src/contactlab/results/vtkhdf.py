@@ -120,7 +120,10 @@ class VtkHdfRecording(Recording):
             write_columns(self.own, "history", list(frame.scalars))
             self.sums = self._frame_sums()
         if row >= self.grid.room:
-            self._make_room(row)
+            # room for more frames; the tables that say where each one begins are filled ahead
+            more = max(8, row // 8) if row else self.layout.frames + SPARE_FRAMES
+            self.growing.grow([*self.grid.columns, *self._own_columns()], more)
+            self.grid.fill_offsets(row, row + more)
         self.grid.write(row, frame)
         for name, column in self.curves.items():
             curve = frame.curves[name]
@@ -251,12 +254,6 @@ class VtkHdfRecording(Recording):
 
     def _frame_sums(self) -> FrameSums:
         return FrameSums(self.own, list(self._summed()))
-
-    def _make_room(self, row: int) -> None:
-        """Room for more frames; the tables that say where each one begins are filled ahead."""
-        more = max(8, row // 8) if row else self.layout.frames + SPARE_FRAMES
-        self.growing.grow([*self.grid.columns, *self._own_columns()], more)
-        self.grid.fill_offsets(row, row + more)
 
 
 def _step_table(growing: GrowingFile, own: h5py.Group, layout: Layout) -> ThinnedTable:

@@ -102,13 +102,11 @@ class EnergyGuard:
         found = energy_gain(self.model)
         self.largest = max(self.largest, abs(found.energy), abs(float(self.work[1])))
         # what was supplied so far grows with the square of the loading
-        self.scale = max(self.largest, abs(float(self.work[1])) / self._loaded() ** 2)
-        return found
-
-    def _loaded(self) -> float:
-        """How much of its loading the run has seen, above 0 and up to 1."""
+        # how much of its loading the run has seen, above 0 and up to 1
         assert self.come is not None
-        return float(np.interp(self.model.state.time, *self.come))
+        loaded = float(np.interp(self.model.state.time, *self.come))
+        self.scale = max(self.largest, abs(float(self.work[1])) / loaded**2)
+        return found
 
     def _push_facets(self) -> None:
         """Forces times the weak overlaps of the start that came to count since the last check."""

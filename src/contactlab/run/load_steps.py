@@ -202,7 +202,12 @@ class LoadSchedule(Schedule):
             if self.part < JUMP * self.cut_to**STABILISED * self.wished:
                 raise SimulationFailure("not-converged", f"{self.given_up.reason}; {step.reason}")
         elif how := self._in_vain(step):
-            return self._give_up(tried, step, how)
+            # begins to stabilise the step, where the integrator does
+            failure = self._failure(tried, step, how)
+            if not cast(ImplicitIntegrator, self.model.integrator).stabilises():
+                raise failure
+            self._stabilise(failure)
+            return f"{failure.reason}; a stabilised step of {self.dt:.6g} is tried"
         self.failed, self.dt = step, self._length()
         loose = f"; {self._loose().partition(';')[0]}".rstrip("; ") if before is None else ""
         return (
@@ -218,14 +223,6 @@ class LoadSchedule(Schedule):
         if self.part < shortest * self.wished:
             return f"1/{self.cut_to * self.wished / self.part:.0f} of the wished one"
         return ""
-
-    def _give_up(self, tried: float, step: Step, how: str) -> str:
-        """Begin to stabilise a step, where the integrator does; raises SimulationFailure where not."""
-        failure = self._failure(tried, step, how)
-        if not cast(ImplicitIntegrator, self.model.integrator).stabilises():
-            raise failure
-        self._stabilise(failure)
-        return f"{failure.reason}; a stabilised step of {self.dt:.6g} is tried"
 
     def _stabilise(self, failure: SimulationFailure | None) -> None:
         """Let the next step be stabilised in place of a `failure`, or let steps be plain and long again."""

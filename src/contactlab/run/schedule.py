@@ -88,7 +88,13 @@ class Schedule:
     def adapt(self) -> None:
         """Shorten the step when the stable one has become shorter."""
         if self.fixed is not None:
-            self._judge_fixed(self.model.step_within(1.0))
+            stable = self.model.step_within(1.0)
+            if self.dt > ROUND_OFF * stable:
+                self.model.warnings.add(RunWarning(
+                    "fixed-step", self.dt, stable, "time.step",
+                    f"the fixed step {self.dt:.4g} s is {self.dt / stable:.3g} times the stable one, which fell to "
+                    f"{stable:.4g} s by {self._smallest()}; leave time.step out, steps follow the stable one then",
+                ))  # fmt: skip
             return
         safe = self.model.step_within(self.fraction_of_limit)
         if not safe >= SHORTEST * self.first:  # NaN where positions are
@@ -108,15 +114,6 @@ class Schedule:
     def parameter(self) -> str:
         """What steps are equal parts of, in words."""
         return "time"
-
-    def _judge_fixed(self, stable: float) -> None:
-        """Warn of a fixed step that the stable one has fallen below."""
-        if self.dt > ROUND_OFF * stable:
-            self.model.warnings.add(RunWarning(
-                "fixed-step", self.dt, stable, "time.step",
-                f"the fixed step {self.dt:.4g} s is {self.dt / stable:.3g} times the stable one, which fell to "
-                f"{stable:.4g} s by {self._smallest()}; leave time.step out, steps follow the stable one then",
-            ))  # fmt: skip
 
     def estimated_steps(self) -> int:
         """Steps of the whole run if nothing changes their length; a run that settles is taken to do so in a period."""

@@ -21,7 +21,12 @@ def check(scene: Scene) -> None:
     _check_names(scene, "loads", scene.loads)
     for number, load in enumerate(scene.loads):
         _check_target(scene, load.on, scene.where(f"loads.{number}.on"), needs_edges=True)
-    _check_duration(scene)
+    # a fixed step beyond the end is a slip of units
+    end, step = scene.time.end, scene.time.step
+    if step is not None and not isinstance(end, str) and step > end:
+        raise SceneError(
+            "the step is longer than the run", where=scene.where("time.step"), got=step, allowed=f"at most {end:g} [s]"
+        )
     _check_begins(scene)
 
 
@@ -193,15 +198,6 @@ def _check_names(scene: Scene, table: str, entries: Sequence[Contact | Support |
                 got=entry.name,
                 allowed="a name that is not taken",
             )
-
-
-def _check_duration(scene: Scene) -> None:
-    """A fixed step beyond the end is a slip of units."""
-    end, step = scene.time.end, scene.time.step
-    if step is not None and not isinstance(end, str) and step > end:
-        raise SceneError(
-            "the step is longer than the run", where=scene.where("time.step"), got=step, allowed=f"at most {end:g} [s]"
-        )
 
 
 def _check_begins(scene: Scene) -> None:

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import statistics
-from collections.abc import Callable, Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import replace
-from typing import Any
 
 from contactlab.api import Job, Record
 from contactlab.jobs.run import Run
@@ -34,12 +33,11 @@ def combination_plan(
         for number in range(repeat)
     ]  # fmt: skip
     costs = [record.summary.get("cost", {}) for record in (first, *others) if record.status == first.status]
-    cost = {**first.summary.get("cost", {}), **_medians(costs)}
+    names = ("run_cpu_s", "run_wall_s", "compile_s")
+    cost = {
+        **first.summary.get("cost", {}),
+        **{name: statistics.median(cost[name] for cost in costs) for name in names if all(name in c for c in costs)},
+    }
     record = replace(first, summary={**first.summary, "cost": cost}) if cost else first
     over(one, record)
     return record
-
-
-def _medians(costs: Sequence[Mapping[str, Any]]) -> dict[str, float]:
-    names = ("run_cpu_s", "run_wall_s", "compile_s")
-    return {name: statistics.median(cost[name] for cost in costs) for name in names if all(name in c for c in costs)}

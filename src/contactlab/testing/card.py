@@ -45,9 +45,14 @@ def _check(outcome: Outcome) -> dict[str, str]:
 
 def write_cards(reports: Sequence[PartReport], folder: Path) -> None:
     """Write card.json and card.md to a folder, created if needed."""
+    found = {"python": platform.python_version()} | {name: version(name) for name in LIBRARIES}
+    for origin in sorted({report.origin for report in reports}):
+        name, _, number = origin.rpartition(" ")
+        if name and not origin.endswith(".py"):  # a file is no distribution: its hash tells which one it was
+            found[name] = number
     data = {
         "date": datetime.now(UTC).strftime("%Y-%m-%d"),
-        "versions": _versions(reports),
+        "versions": found,
         "sources": {_package(report): sources({_package(report)})[-1] for report in reports},
         **as_data(reports),
     }
@@ -58,15 +63,6 @@ def write_cards(reports: Sequence[PartReport], folder: Path) -> None:
 
 def _package(report: PartReport) -> str:
     return report.target.partition(":")[0].partition(".")[0]
-
-
-def _versions(reports: Sequence[PartReport]) -> dict[str, str]:
-    found = {"python": platform.python_version()} | {name: version(name) for name in LIBRARIES}
-    for origin in sorted({report.origin for report in reports}):
-        name, _, number = origin.rpartition(" ")
-        if name and not origin.endswith(".py"):  # a file is no distribution: its hash tells which one it was
-            found[name] = number
-    return found
 
 
 def _page(data: dict[str, Any]) -> str:

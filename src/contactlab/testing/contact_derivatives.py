@@ -80,13 +80,6 @@ class _Trial:
         return gap, slip, (normal + tangential if self.friction else normal).ravel()
 
 
-def _positions() -> dict[str, Chains]:
-    """Surfaces that have moved since the last step, so that nothing is flush or symmetric."""
-    found = {"curved": curved(), "quadratic edges": flat(order=2).turned(0.3), "flat": flat().turned(2.0)}
-    draw = np.random.default_rng(4)
-    return {name: at.moved(at.nodes + draw.uniform(-0.004, 0.004, at.nodes.shape)) for name, at in found.items()}
-
-
 def derivatives_are_right(algorithm: ContactMethod) -> None:
     """Derivatives of gaps, slips and nodal forces are those of the conditions, with friction and without.
 
@@ -95,7 +88,11 @@ def derivatives_are_right(algorithm: ContactMethod) -> None:
     """
     if algorithm.explicit_only:
         raise NotApplicable("the algorithm is for explicit runs alone")
-    for name, at in _positions().items():
+    # surfaces that have moved since the last step, so that nothing is flush or symmetric
+    found = {"curved": curved(), "quadratic edges": flat(order=2).turned(0.3), "flat": flat().turned(2.0)}
+    draw = np.random.default_rng(4)
+    for name, before in found.items():
+        at = before.moved(before.nodes + draw.uniform(-0.004, 0.004, before.nodes.shape))
         for friction in (False, True):
             _against_differences(algorithm, at, friction, f"{name}, {'with' if friction else 'without'} friction")
 

@@ -273,21 +273,17 @@ def units_do_not_matter_to_it(enforcement: Enforcement) -> None:
 def few_iterations(enforcement: Enforcement) -> None:
     """Newton's method on single springs needs a handful of iterations, some more where the law is curved."""
     part = _implicit(enforcement)
-    smooth = _bends(part)
+    # whether the force of some slot follows its gap with more slopes than the few of a piecewise linear law
+    conditions, _ = some_conditions(friction=False)
+    sweep = np.concatenate([-np.logspace(0.0, -8.0, 33), np.logspace(-8.0, 0.0, 33)])
+    slopes = np.stack([_respond(part, replace(conditions, gap=np.full(COUNT, gap))).by_gap[0] for gap in sweep])
+    smooth = any(len(np.unique(slot)) > 4 for slot in slopes.T)
     # each piece is linear: open or closed, then stick or slip, and a sign that turns. Where pieces are joined by a bend
     # there follow those of quadratic convergence: six, as 0.5 to the power of 2^6 is below round-off
     allowed, kind = (12, "bend smoothly") if smooth else (6, "are piecewise linear")
     for seed in range(3):
         done, _ = _solve(part, friction=True, seed=seed)
         require(done.iterations <= allowed, f"{done.iterations} iterations on springs that {kind}, allowed {allowed}")
-
-
-def _bends(part: ImplicitEnforcement) -> bool:
-    """Whether the force of some slot follows its gap with more slopes than the few of a piecewise linear law."""
-    conditions, _ = some_conditions(friction=False)
-    sweep = np.concatenate([-np.logspace(0.0, -8.0, 33), np.logspace(-8.0, 0.0, 33)])
-    slopes = np.stack([_respond(part, replace(conditions, gap=np.full(COUNT, gap))).by_gap[0] for gap in sweep])
-    return any(len(np.unique(slot)) > 4 for slot in slopes.T)
 
 
 def slots_know_nothing_of_each_other(enforcement: Enforcement) -> None:

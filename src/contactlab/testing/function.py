@@ -124,7 +124,10 @@ def _jump(function: Function, low: float, high: float, breaks: Floats) -> tuple[
             close = bend
         tried = centre[:, None] + 0.5 * width * np.array([-1.0, 0.0, 1.0])
         width *= 0.5
-        bends = _bend(function, tried.ravel(), width).reshape(tried.shape)
+        # difference of the slopes on both sides of each place
+        at = tried.ravel()
+        below, here, above = function.values(np.concatenate([at - width, at, at + width])).reshape(3, -1)
+        bends = (np.abs(above - 2.0 * here + below) / width).reshape(tried.shape)
         best = np.arange(len(tried)), bends.argmax(axis=1)
         keep = bends[best] > 0.02 * size
         keep &= np.abs(tried[best][:, None] - breaks).min(axis=1, initial=np.inf) > 4.0 * width
@@ -133,12 +136,6 @@ def _jump(function: Function, low: float, high: float, breaks: Floats) -> tuple[
     kinks = np.flatnonzero(bend > 0.25 * close)
     worst = kinks[bend[kinks].argmax()] if len(kinks) else None
     return (0.0, 0.0) if worst is None else (float(centre[worst]), float(bend[worst]))
-
-
-def _bend(function: Function, at: Floats, width: float) -> Floats:
-    """Difference of the slopes on both sides of each place."""
-    below, here, above = function.values(np.concatenate([at - width, at, at + width])).reshape(3, -1)
-    return np.abs(above - 2.0 * here + below) / width
 
 
 CHECKS: tuple[Check, ...] = (

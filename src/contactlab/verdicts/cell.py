@@ -76,13 +76,10 @@ def cell_plan(cell: Cell, registry: Registry) -> Generator[Sequence[Run], Sequen
 def keep(archive: Archive | None, cell: Cell, result: CellResult, registry: Registry) -> None:
     """Put a cell into the archive."""
     if archive is not None and result.whole:
-        archive.add_cell(_key(cell, registry, result.runs), result.machine, cell.choices, result.as_data())
-
-
-def _key(cell: Cell, registry: Registry, runs: list[str]) -> str:
-    """Hash of the choices, of the sources of the case, and of the runs."""
-    texts = [*cell.choices.values(), case_sources(cell.name, registry), *sorted(runs)]
-    return hashlib.sha256("\0".join(texts).encode()).hexdigest()[:32]
+        # hash of the choices, of the sources of the case, and of the runs
+        texts = [*cell.choices.values(), case_sources(cell.name, registry), *sorted(result.runs)]
+        key = hashlib.sha256("\0".join(texts).encode()).hexdigest()[:32]
+        archive.add_cell(key, result.machine, cell.choices, result.as_data())
 
 
 def _row(measure: Measure, value: float, verdict: str) -> dict[str, Any]:

@@ -27,7 +27,9 @@ class MeshShape:
     def __init__(self, layout: Layout) -> None:
         self.nodes = len(layout.nodes)
         self.bodies = layout.bodies
-        self.triangles = np.concatenate([_triangles(body) for body in layout.bodies]).astype(np.uint32)
+        self.triangles = np.concatenate(
+            [body.cells[:, TRIANGLES[body.cells.shape[1]]].reshape(-1, 3) for body in layout.bodies]
+        ).astype(np.uint32)
         self._flat = np.concatenate([body.cells.ravel() for body in layout.bodies])
         first, owners = 0, []
         for body in layout.bodies:
@@ -55,10 +57,6 @@ class MeshShape:
     def wire(self) -> list[Ints]:
         """Lines of nodes that pass every side shared by two cells once."""
         return [line for body in self.bodies for line in _trails(_inner_sides(body).tolist())]
-
-
-def _triangles(body: BodyLayout) -> Ints:
-    return body.cells[:, TRIANGLES[body.cells.shape[1]]].reshape(-1, 3)
 
 
 def _sides(body: BodyLayout) -> Ints:

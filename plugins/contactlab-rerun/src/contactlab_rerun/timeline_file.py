@@ -103,7 +103,8 @@ class TimelineFile:
             self.recording, [(run, appearance) for run, appearance, _ in self.runs], 2.0 * self._hang
         )
         for (run, appearance, _), summary in zip(self.runs, summaries, strict=True):
-            log_state_tracks(self.recording, run, track_folders(run, appearance, several), self._tracks())
+            tracks = self.options.lanes if len(self.runs) == 1 else max(1, MOST_TRACKS // len(self.runs))
+            log_state_tracks(self.recording, run, track_folders(run, appearance, several), tracks)
             log_events(self.recording, run, appearance, several)
             log_iterations(self.recording, run, appearance)
             log_page(self.recording, run, appearance, summary)
@@ -119,9 +120,6 @@ class TimelineFile:
         """Labels hang by pixels, and the plots of comparisons are smaller."""
         return 0.035 if len(self.runs) == 1 else 0.07
 
-    def _tracks(self) -> int:
-        return self.options.lanes if len(self.runs) == 1 else max(1, MOST_TRACKS // len(self.runs))
-
     def _draw(self) -> list[Shown]:
         low, high = model_box([run for run, _, _ in self.runs])
         ends = [run.extent for run, _, _ in self.runs]
@@ -133,7 +131,9 @@ class TimelineFile:
             outline = appearance.colour if len(self.runs) > 1 else OUTLINE
             # bytes that the meshes of a run may take
             room = MESHES / len(self.runs) if self.options.every == "auto" else math.inf
-            drawing = Drawing(self.recording, run, appearance, scale, outline, self._wired(run), room)
+            few = sum(len(body.cells) for body in run.layout.bodies) <= FEW_CELLS
+            wired = few if self.options.wire == "auto" else bool(self.options.wire)
+            drawing = Drawing(self.recording, run, appearance, scale, outline, wired, room)
             drawing.draw()
             box = np.asarray(low, float), np.asarray(high, float)
             if run.layout.contacts:
@@ -145,10 +145,6 @@ class TimelineFile:
                 box = log_colour_bar(self.recording, appearance.path, label, field, *box, scale.distance)
             shown.append(Shown(appearance, run, box, writer.shown(), drawing.frames))
         return shown
-
-    def _wired(self, run: Gathered) -> bool:
-        few = sum(len(body.cells) for body in run.layout.bodies) <= FEW_CELLS
-        return few if self.options.wire == "auto" else bool(self.options.wire)
 
     def _profiles(self) -> list[Profile]:
         """Plots for each slave surface, with curves of all runs: pressures first, then memories, gaps and slips."""

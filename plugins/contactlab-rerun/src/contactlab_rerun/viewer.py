@@ -61,20 +61,16 @@ def open_window(file: Path) -> None:
         _, words = process.communicate(timeout=3.0)
     except subprocess.TimeoutExpired:
         if step is not None:
-            _go_to(port, step)
+            # puts the cursor of a running viewer there, if it answers
+            from rerun.experimental import ViewerClient
+
+            with contextlib.suppress(Exception):
+                client = ViewerClient.connect(_url(port))
+                _wait_for(client)
+                client.set_time("step", sequence=step, play_state="paused")
         return
     if process.returncode:
         raise RuntimeError(f"{_last_words(words)}; without a display, --png FILE writes a picture")
-
-
-def _go_to(port: int, step: int) -> None:
-    """Put the cursor of a running viewer there, if it answers."""
-    from rerun.experimental import ViewerClient
-
-    with contextlib.suppress(Exception):
-        client = ViewerClient.connect(_url(port))
-        _wait_for(client)
-        client.set_time("step", sequence=step, play_state="paused")
 
 
 def _url(port: int) -> str:

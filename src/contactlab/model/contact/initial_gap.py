@@ -44,20 +44,16 @@ def adjusted_bodies(
         return bodies
     positions = positions_of(bodies, rigid)
     for plan in asked:
-        _check_reach(plan, positions)
+        # in a gap that is wider than the model nothing could stay open
+        size = float(np.hypot(*np.ptp(positions, axis=0)))
+        if plan.start.gap > size:
+            raise SceneError(
+                "the gap to be closed is wider than the model",
+                where=below(below(plan.where, "start"), "gap"), got=plan.start.gap, allowed=f"up to {size:.4g} mm",
+            )  # fmt: skip
         check_overlap(plan.slave, plan.master, bodies, positions, True, plan.where)
         _adjust(plan, positions)
     return tuple(moved_body(body, positions, asked[0].where) for body in bodies)
-
-
-def _check_reach(plan: Any, positions: Floats) -> None:
-    """Raise SceneError for a gap that is wider than the model: nothing in it could stay open."""
-    size = float(np.hypot(*np.ptp(positions, axis=0)))
-    if plan.start.gap > size:
-        raise SceneError(
-            "the gap to be closed is wider than the model",
-            where=below(below(plan.where, "start"), "gap"), got=plan.start.gap, allowed=f"up to {size:.4g} mm",
-        )  # fmt: skip
 
 
 def _adjust(plan: Any, positions: Floats) -> None:

@@ -85,7 +85,11 @@ def _pair(plan: ContactPlan, before: list[ContactPair], around: Around, time: Fl
     reference, immobile, first = around.reference, around.immobile, sum(pair.slots for pair in before)
     if isinstance(plan.algorithm, CornerPoints):
         held_at = next(pair for pair in before if plan.name == f"{pair.name}.corners")
-        return _points_beside(held_at, plan, reference, first, immobile)
+        assert isinstance(held_at, OperatorPair)
+        assert plan.corners is not None
+        held_at.points = points = cast("CornerPair", plan.pair(reference, first, immobile))
+        held_at.corners = points.corners = Corners(held_at, plan.corners)
+        return points
     if not plan.second:
         refuse_held_slave(plan.slave, immobile, plan.sides[0], plan.where)
     if by_energy(plan):
@@ -104,17 +108,6 @@ def _pair(plan: ContactPlan, before: list[ContactPair], around: Around, time: Fl
         # statics go to the end, where the overlap counts; what moves freely keeps its energy, and the overlap
         pair.start_gaps = facet_overlap(pair, time, around.ramp if around.driven else math.inf, reference)
     return pair
-
-
-def _points_beside(
-    pair: ContactPair, plan: ContactPlan, reference: Floats, first_slot: int, immobile: Flags
-) -> ContactPair:
-    """The pair of points at corners of the master of a pair, which is held at them."""
-    assert isinstance(pair, OperatorPair)
-    assert plan.corners is not None
-    pair.points = points = cast("CornerPair", plan.pair(reference, first_slot, immobile))
-    pair.corners = points.corners = Corners(pair, plan.corners)
-    return points
 
 
 def _pressure_system(

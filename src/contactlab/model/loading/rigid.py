@@ -58,7 +58,12 @@ def build_rigid(scene: Scene, bodies: tuple[Body, ...]) -> tuple[RigidSurface, .
         segment = spec.segment if spec.segment is not None else longest
         width = facing[0].shape[1] if facing else 2
         where = scene.where(f"rigid.{name}" + (".segment" if spec.segment is not None else ""))
-        check_rigid_size(_length(spec) / segment, where, segment)
+        length = (
+            float(abs(np.subtract(*np.radians(spec.arc.angles))) * spec.arc.radius)
+            if spec.arc is not None
+            else float(np.hypot(*np.diff(np.array(spec.line), axis=0).T).sum())
+        )
+        check_rigid_size(length / segment, where, segment)
         if spec.line is not None:
             _refuse_crossing(np.array(spec.line), scene.where(f"rigid.{name}.line"))
         points, closed = _chain(spec, segment, width - 1)
@@ -96,13 +101,6 @@ def _longest(edges: Ints, bodies: tuple[Body, ...]) -> float:
     nodes = np.concatenate([body.mesh.nodes for body in bodies])
     chord = nodes[edges[:, 1]] - nodes[edges[:, 0]]
     return float(np.hypot(chord[:, 0], chord[:, 1]).max() / (edges.shape[1] - 1))
-
-
-def _length(spec: Rigid) -> float:
-    """Length of a rigid surface [mm]."""
-    if spec.arc is not None:
-        return float(abs(np.subtract(*np.radians(spec.arc.angles))) * spec.arc.radius)
-    return float(np.hypot(*np.diff(np.array(spec.line), axis=0).T).sum())
 
 
 def _chain(spec: Rigid, segment: float, multiple: int) -> tuple[Floats, bool]:
