@@ -187,23 +187,19 @@ def _point(task: Task, error: float, done: Mapping[str, Record], keys: tuple[str
     if not ended and not math.isfinite(error):
         status, reason = "failed", "the error could not be evaluated"
     summary, cost = dearest.summary, dearest.summary.get("cost", {})
+    # what a run counted; without what its summary lacks
+    counted = {"steps": "steps", "iterations": "iterations", "sweeps": "contact_sweeps", "nodes": "nodes"}
+    counts = {name: float(summary[key]) for name, key in counted.items() if summary.get(key) is not None}
+    if "cells" in summary and "steps" in counts:
+        counts["updates"] = summary["cells"] * (counts.get("iterations") or counts["steps"])
     return Point(
         task.choice.label, task.contender.label, task.slave, task.level, status, reason,
         error if status == "finished" else math.nan,
         (cost_of(dearest),),
         float(summary.get("calibration_s", math.nan)),
-        _counts(summary),
+        counts,
         float(cost.get("peak_memory_mib", math.nan)),
         float(cost.get("compile_s", math.nan)),
         spent=sum(map(spent_on, done.values())),
         runs=keys,
     )  # fmt: skip
-
-
-def _counts(summary: Mapping[str, Any]) -> dict[str, float]:
-    """What a run counted; without what its summary lacks."""
-    counted = {"steps": "steps", "iterations": "iterations", "sweeps": "contact_sweeps", "nodes": "nodes"}
-    found = {name: float(summary[key]) for name, key in counted.items() if summary.get(key) is not None}
-    if "cells" in summary and "steps" in found:
-        found["updates"] = summary["cells"] * (found.get("iterations") or found["steps"])
-    return found

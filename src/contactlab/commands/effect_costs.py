@@ -73,21 +73,17 @@ def _cost(variant: Variant, scene: Scene, whole: Estimate, tried: Tried) -> Effe
 def lacking(scene: Scene) -> Iterator[Variant]:
     """A variant for each, with usual values: the cost hardly depends on them."""
     if scene.contacts and not any(contact.friction for contact in scene.contacts):
-        yield from _friction(scene)
+        for name in scene.registry.names("friction"):
+            try:
+                law = example_spec(scene.registry, "friction", name)
+            except NotApplicable:
+                continue
+            changes = {f"contacts.{number}.friction": law for number in range(len(scene.contacts))}
+            yield Variant(f"friction ({name})", False, changes)
     yield from _effects(scene)
     if scene.record.recorders == ():
         data = {key: value for key, value in scene.data.get("record", {}).items() if key != "recorders"}
         yield Variant("recording", False, {"record": data})
-
-
-def _friction(scene: Scene) -> Iterator[Variant]:
-    for name in scene.registry.names("friction"):
-        try:
-            law = example_spec(scene.registry, "friction", name)
-        except NotApplicable:
-            continue
-        changes = {f"contacts.{number}.friction": law for number in range(len(scene.contacts))}
-        yield Variant(f"friction ({name})", False, changes)
 
 
 def _effects(scene: Scene) -> Iterator[Variant]:

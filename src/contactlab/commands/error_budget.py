@@ -30,7 +30,11 @@ def budget(options: argparse.Namespace) -> int:
         found = driver.result(budget_plan(scene, registry, driver.progress.told))
         if driver.interrupted:
             return interrupted(folder)
-    data = _data(found)
+    shares = [asdict(share) | {"gain": share.gain, "resolved": share.resolved} for share in found.shares]
+    best = found.cheapest
+    data = {"format": 1, "status": found.status, "reason": found.reason, "cost": found.cost, "shares": shares,
+            "next": best.knob.name if best is not None else None}  # fmt: skip
+    data = finite(data)
     (folder / FILE).write_text(json.dumps(data, indent=1), encoding="utf-8")
     if options.json:
         print_json({"folder": str(folder), **data})
@@ -80,12 +84,3 @@ def _changed(share: Share) -> list[tuple[str, Any]]:
     settings = dict(share.knob.settings)
     wanted = f"time.{share.knob.name}"
     return [(wanted, settings[wanted])] if wanted in settings else list(settings.items())
-
-
-def _data(found: ErrorBudget) -> dict[str, Any]:
-    shares = [asdict(share) | {"gain": share.gain, "resolved": share.resolved} for share in found.shares]
-    best = found.cheapest
-    data = {"format": 1, "status": found.status, "reason": found.reason, "cost": found.cost, "shares": shares,
-            "next": best.knob.name if best is not None else None}  # fmt: skip
-    plain: dict[str, Any] = finite(data)
-    return plain

@@ -70,22 +70,19 @@ class DerivativesOfPieces:
         slave = (np.arange(pair.slots, dtype=np.int32) % m)[:, None]
         first, last = np.full(pair.slots, np.iinfo(np.int32).max, np.int32), np.full(pair.slots, -1, np.int32)
         if self.follows_master is None:
-            self.follows_master = self._probe(memory)
+            # whether normals change with the master's positions
+            pair = self.pair
+            shake = np.random.default_rng(1).uniform(-STEP, STEP, pair.at.master.shape) * pair.size
+            self.shown[0].at.master[:] += shake
+            self._evaluate(0, memory)
+            self.shown[0].at.master[:] = pair.at.master
+            self._evaluate(1, memory)
+            self.follows_master = not np.array_equal(self.high.normal, self.low.normal)
         if self.follows_master:
             multiplier, nodes = pair.pieces.multiplier[: pair.count], pair.pieces.master[: pair.count]
             np.minimum.at(first, multiplier, nodes.min(axis=1, keepdims=True))
             np.maximum.at(last, multiplier, nodes.max(axis=1, keepdims=True))
         return slave, np.stack([np.minimum(first, last), last], axis=1)
-
-    def _probe(self, memory: Floats) -> bool:
-        """Whether normals change with the master's positions."""
-        pair = self.pair
-        shake = np.random.default_rng(1).uniform(-STEP, STEP, pair.at.master.shape) * pair.size
-        self.shown[0].at.master[:] += shake
-        self._evaluate(0, memory)
-        self.shown[0].at.master[:] = pair.at.master
-        self._evaluate(1, memory)
-        return not np.array_equal(self.high.normal, self.low.normal)
 
     def _side(self, side: int, owners: Ints, memory: Floats) -> None:
         pair, out = self.pair, self.out

@@ -187,7 +187,13 @@ class MeanPressureResponse(PressureResponse):
 def rub(c: Conditions, out: Response) -> None:
     """Sticking conditions do not slip, the others carry their bound."""
     stiffness = np.where(c.present, c.stiffness, 0.0)
-    limit, growth = _limits(c)
+    # the largest tangential force (k,) [N] under the present normal one, and its derivative by that
+    coefficient, adhesion, cap = c.bound
+    normal, grip = np.maximum(c.force[0], 0.0), adhesion * c.measure
+    capped = np.where(np.isfinite(cap), cap, 0.0) * normal
+    follows = np.isfinite(cap) & (capped < grip)
+    held = np.where(c.present, np.where(follows, capped, grip) + coefficient * normal, 0.0)
+    limit, growth = held, np.where(c.force[0] > 0.0, coefficient + np.where(follows, cap, 0.0), 0.0)
     trial = c.force[1] - stiffness * c.slip
     # a force at one end of its bound that would jump to the other sticks first: Newton's method goes to and fro else
     turns = (trial * c.force[1] < 0.0) & (limit > 0.0)
@@ -199,13 +205,3 @@ def rub(c: Conditions, out: Response) -> None:
     out.cross_force[:] = np.where(sticks, 0.0, -sign * growth)
     out.cross_gap[:] = 0.0
     out.status[:] = np.where(sticks, STICK, np.where(limit > 0.0, SLIP, out.status))
-
-
-def _limits(c: Conditions) -> tuple[Floats, Floats]:
-    """Largest tangential force (k,) [N] under the present normal one, and its derivative by that."""
-    coefficient, adhesion, cap = c.bound
-    normal, grip = np.maximum(c.force[0], 0.0), adhesion * c.measure
-    capped = np.where(np.isfinite(cap), cap, 0.0) * normal
-    follows = np.isfinite(cap) & (capped < grip)
-    held = np.where(c.present, np.where(follows, capped, grip) + coefficient * normal, 0.0)
-    return held, np.where(c.force[0] > 0.0, coefficient + np.where(follows, cap, 0.0), 0.0)

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, TextIO
 from contactlab.explanation.estimate import expected_length
 
 if TYPE_CHECKING:
-    from contactlab.model.model import Model
     from contactlab.run.run import Run
     from contactlab.scene.scene import Scene
 
@@ -55,18 +54,15 @@ def cost_of(run: Run, scene: Scene, steps: int) -> float:
         return iterations * (ITERATION + UNKNOWN * nodes)
     slave = SLAVE + (RUBBING if any(contact.friction for contact in scene.contacts) else 0.0)
     slaves = sum(len(pair.slave.nodes) for pair in model.contact.pairs) if model.contact is not None else 0
-    return steps * (_stresses(model) + STEP + NODE * nodes + slave * slaves)
-
-
-def _stresses(model: Model) -> float:
-    """CPU time [s] of the stresses of the undeformed bodies."""
+    # CPU time [s] of the stresses of the undeformed bodies
     seconds, found = model.seconds, []
     for _ in range(3):
         began = thread_time()
         model.internal_force(0.0)
         found.append(thread_time() - began)
     model.seconds = seconds
-    return min(found)
+    stresses = min(found)
+    return steps * (stresses + STEP + NODE * nodes + slave * slaves)
 
 
 def _thousands(count: int) -> str:

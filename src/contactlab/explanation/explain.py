@@ -6,7 +6,7 @@ What only a process of its own can tell (kernels, imported modules, seconds) com
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -132,6 +132,12 @@ def explain(
         estimated_seconds=seconds[0] + (steps - 1) * seconds[1],
         array_bytes=sum(array.bytes for array in arrays),
     )
+    origins = {package: str(origin) for package, origin in registry.packages().items()}
+    inside: dict[str, list[str]] = {}
+    for name in trial.modules if trial is not None else packages_of(scene, registry):
+        package, _, module = name.partition(".")
+        inside.setdefault(package, []).extend([module] if module else [])
+    modules = [Imported(package, ", ".join(modules), origins.get(package, "")) for package, modules in inside.items()]
     return Explanation(
         scene=overview,
         effects=effects_of(scene, registry, model),
@@ -140,7 +146,7 @@ def explain(
         costs=list(trial.costs) if trial is not None else [],
         kernels=list(trial.kernels) if trial is not None else [],
         arrays=arrays,
-        modules=_modules(trial.modules if trial is not None else packages_of(scene, registry), registry),
+        modules=modules,
         price=estimate(scene, model, trial) if trial is not None else None,
     )
 
@@ -219,13 +225,3 @@ def packages_of(scene: Scene, registry: Registry) -> list[str]:
 
     targets = {registry.offer(kind, name).part.target for _, kind, name in part_specs(scene)}
     return sorted({target.partition(":")[0].partition(".")[0] for target in targets} | {"numba", "numpy"})
-
-
-def _modules(names: Iterable[str], registry: Registry) -> list[Imported]:
-    """Gather imported modules by package."""
-    origins = {package: str(origin) for package, origin in registry.packages().items()}
-    inside: dict[str, list[str]] = {}
-    for name in names:
-        package, _, module = name.partition(".")
-        inside.setdefault(package, []).extend([module] if module else [])
-    return [Imported(package, ", ".join(modules), origins.get(package, "")) for package, modules in inside.items()]

@@ -83,15 +83,11 @@ def _children(value: object) -> Mapping[str, Any]:
     if isinstance(value, types.MethodType):
         return {"": value.__self__}
     if isinstance(value, types.FunctionType):
-        return _closure(value)
+        cells = zip(value.__code__.co_freevars, value.__closure__ or (), strict=True)
+        return {name: cell.cell_contents for name, cell in cells if not _empty(cell)} | vars(value)
     if isinstance(value, functools.partial):
         return {"": (value.func, value.args, value.keywords)}
     return getattr(value, "__dict__", {})
-
-
-def _closure(function: types.FunctionType) -> Mapping[str, Any]:
-    cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
-    return {name: cell.cell_contents for name, cell in cells if not _empty(cell)} | vars(function)
 
 
 def _empty(cell: types.CellType) -> bool:

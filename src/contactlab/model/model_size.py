@@ -90,15 +90,12 @@ class ModelSize:
         fixed = MODEL + self.threads * self.scratch + self.block
         bodies = NODE * self.nodes + CELL * self.cells + NUMBER * self.numbers + POINT * self.points
         contact = (CONTACT + LINEARISED * self.implicit) * self.slaves + FRICTION * self.rubbing
-        return fixed + bodies + HISTORY * self.history + contact + self._matrices
-
-    @property
-    def _matrices(self) -> float:
         nodes = self.nodes * (DENSER if self.dense else 1.0)
         factors = nodes * FACTORS * math.log2(max(nodes, 2.0))
         whole = factors + nodes * (SOLUTION + MATRICES) if self.implicit else 0.0
         dense = COPIES * min(32.0 * self.nodes**2, DENSE)
-        return max(whole, max(factors, dense) + TRIPLET * self.entries if self.lowest else 0.0)
+        matrices = max(whole, max(factors, dense) + TRIPLET * self.entries if self.lowest else 0.0)
+        return fixed + bodies + HISTORY * self.history + contact + matrices
 
     @property
     def words(self) -> str:

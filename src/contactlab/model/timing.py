@@ -104,7 +104,11 @@ def find_timing(
     """
     time = scene.time
     if time.end != "auto":
-        return _written(scene, float(time.end))
+        end = float(time.end)
+        ramps = RampTime(end, end=end) if time.ramp is None else RampTime(time.ramp)
+        cut = tuple(beyond(scene, ramps, end))
+        damping = time.damping or 0.0
+        return Timing(end, ramps.duration, end, "time.end", 0.0, end, damping, 0.0, False, ramps, told=cut)
     if not integrator.inertia:
         ramps = RampTime(1.0 if time.ramp is None else time.ramp)
         end, because = _latest(scene, ramps)
@@ -136,15 +140,6 @@ def find_timing(
     return Timing(
         None, ramp, last, because, hold, period, damping, relaxation, settles, ramps, bool(history), told
     )  # fmt: skip
-
-
-def _written(scene: Scene, end: float) -> Timing:
-    """Times of a run whose end the scene gives."""
-    time = scene.time
-    ramps = RampTime(end, end=end) if time.ramp is None else RampTime(time.ramp)
-    cut = tuple(beyond(scene, ramps, end))
-    damping = time.damping or 0.0
-    return Timing(end, ramps.duration, end, "time.end", 0.0, end, damping, 0.0, False, ramps, told=cut)
 
 
 def _latest(scene: Scene, ramps: RampTime) -> tuple[float, str]:

@@ -150,19 +150,16 @@ def load_scene(
     data.setdefault("name", path.stem)
     origin = Location(shown, lines=lines, folder=str(path.parent.resolve()))
     try:
-        return _loaded(data, dict(changes or {}), origin, registry)
+        changes = dict(changes or {})
+        try:
+            scene = Scene.from_data(data, origin, registry)
+        except PartError:  # which a change may put another part in the place of
+            named = {key: changes.pop(key) for key in list(changes) if _is_part(key.removesuffix(".use"))}
+            scene = Scene._with(data, named, origin, registry)
+        return scene.with_(changes) if changes else scene
     except PartError as error:
         error.hint = _brought(path.parent / "summary.json", error.got) or error.hint
         raise
-
-
-def _loaded(data: Mapping[str, Any], changes: dict[str, Any], origin: Location, registry: Registry) -> Scene:
-    try:
-        scene = Scene.from_data(data, origin, registry)
-    except PartError:  # which a change may put another part in the place of
-        named = {key: changes.pop(key) for key in list(changes) if _is_part(key.removesuffix(".use"))}
-        scene = Scene._with(data, named, origin, registry)
-    return scene.with_(changes) if changes else scene
 
 
 def _brought(summary: Path, name: object) -> str:

@@ -114,28 +114,20 @@ def _value(hint: Any, limits: Mapping[str, Any], definitions: dict[str, Schema])
     if origin is Literal:
         return {"enum": list(inner)}
     if origin in (tuple, list):
-        return _list(origin, inner, limits, definitions)
+        if origin is list or inner[-1] is Ellipsis:
+            return {"type": "array", "items": _value(inner[0], limits, definitions)}
+        items = [_value(item, limits, definitions) for item in inner]
+        return {"type": "array", "items": items, "minItems": len(items), "maxItems": len(items)}
     if origin is not None or hint in (dict, Mapping):
-        return _tables_by_name(inner, limits, definitions)
+        # under names that the author of a scene chooses
+        entry = _value(inner[1], limits, definitions) if inner else {}
+        return {"type": "object", "patternProperties": {f"^{NAME.pattern}$": entry}, "additionalProperties": False}
     if dataclasses.is_dataclass(hint) and isinstance(hint, type):
         if hint.__name__ not in definitions:
             definitions[hint.__name__] = _table(hint, definitions)
         return {"allOf": [_reference(hint.__name__)]}
     bounds = {_BOUNDS[name]: limits[name] for name in _BOUNDS if limits.get(name) is not None}
     return {**_SCALARS[hint], **(bounds if hint in (int, float) else {})}
-
-
-def _list(origin: Any, inner: tuple[Any, ...], limits: Mapping[str, Any], definitions: dict[str, Schema]) -> Schema:
-    if origin is list or inner[-1] is Ellipsis:
-        return {"type": "array", "items": _value(inner[0], limits, definitions)}
-    items = [_value(item, limits, definitions) for item in inner]
-    return {"type": "array", "items": items, "minItems": len(items), "maxItems": len(items)}
-
-
-def _tables_by_name(inner: tuple[Any, ...], limits: Mapping[str, Any], definitions: dict[str, Schema]) -> Schema:
-    """Tables under names that the author of a scene chooses."""
-    entry = _value(inner[1], limits, definitions) if inner else {}
-    return {"type": "object", "patternProperties": {f"^{NAME.pattern}$": entry}, "additionalProperties": False}
 
 
 def _reference(name: str) -> Schema:

@@ -141,7 +141,9 @@ def _cost(variant: Variant, plan: BreakdownPlan, base: Record, other: Record, jo
     named = (variant.effect, variant.declared)
     if not all(carried_load(run.status, applied_share(run.summary)) for run in (base, other)):
         return EffectCost(*named, step, status=other.status, reason=other.reason)
-    changes = _reaction(rich, poor, plan.scene if variant.declared else job.scene), _pressure(rich, poor)
+    # of the driven support's force, or of the first contact's where nothing is supported
+    reaction = _change_of(rich, poor, _force_columns(rich, plan.scene if variant.declared else job.scene))
+    changes = reaction, _pressure(rich, poor)
     return EffectCost(*named, step, run, memory, *changes, _energy(rich, poor), other.status, other.reason)
 
 
@@ -150,11 +152,6 @@ def _implicit(record: Record) -> bool:
 
 
 # --- what changes in the answer ----------------------------------------------------------------------
-
-
-def _reaction(rich: Record, poor: Record, scene: Scene) -> float:
-    """Change of the driven support's force, or of the first contact's where nothing is supported."""
-    return _change_of(rich, poor, _force_columns(rich, scene))
 
 
 def _force_columns(record: Record, scene: Scene) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from contactlab.api import ReferenceSolution, Solution
+from contactlab.api import ReferenceSolution
 from contactlab.errors import PartError, Where, one_line
 from contactlab.parts.registry import Registry, default_registry
 from contactlab.studies.profile import Profile
@@ -51,7 +51,13 @@ class PartSource:
         """The solution of the part. Raises PartError for one that cannot be compared with."""
         try:
             found = self.part.solution(scene)
-            _check(found)
+            x, pressure = np.asarray(found.x, float), np.asarray(found.pressure, float)
+            if x.ndim != 1 or x.shape != pressure.shape or len(x) < 2:
+                raise ValueError(
+                    f"x and pressure have the shapes {x.shape} and {pressure.shape}; one of at least 2 is needed"
+                )
+            if np.any(np.diff(x) <= 0.0) or not np.all(np.isfinite(pressure)):
+                raise ValueError("x must increase and pressures must be finite")
         except Exception as error:
             text = f"the reference {self.name} has no solution that can be compared with: {one_line(error)}"
             raise PartError(text, where=f"reference {self.name}") from error
@@ -67,14 +73,6 @@ class PartSource:
             error_estimate={"pressure": found.error, "meaning": found.error_meaning},
             level=found.level,
         )
-
-
-def _check(found: Solution) -> None:
-    x, pressure = np.asarray(found.x, float), np.asarray(found.pressure, float)
-    if x.ndim != 1 or x.shape != pressure.shape or len(x) < 2:
-        raise ValueError(f"x and pressure have the shapes {x.shape} and {pressure.shape}; one of at least 2 is needed")
-    if np.any(np.diff(x) <= 0.0) or not np.all(np.isfinite(pressure)):
-        raise ValueError("x must increase and pressures must be finite")
 
 
 def find_reference(name: str, registry: Registry, beside: Path | None = None, where: Where = "reference") -> Source:

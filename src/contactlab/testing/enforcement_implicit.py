@@ -123,24 +123,20 @@ def response_is_linearised(enforcement: Enforcement) -> None:
         conditions.gap[:] *= scale_of(enforcement, "length_scale", 1.0)
         found, expected = _respond(part, conditions), {}
         for name, row in (("force", 0), ("force", 1), ("gap", 0), ("slip", 0)):
-            expected[name, row] = _differences(part, conditions, name, row)
+            # forward and backward differences (2, k) of both residuals by a change of every slot
+            middle, sides = _respond(part, conditions).residual, []
+            size = STEP * (scale_of(part, "length_scale", 1.0) if name == "gap" else 1.0)
+            for sign in (1.0, -1.0):
+                moved = np.array(getattr(conditions, name))
+                moved[(row,) if name == "force" else ()] += sign * size
+                sides.append(sign * (_respond(part, replace(conditions, **{name: moved})).residual - middle) / size)
+            expected[name, row] = sides[0], sides[1]
         _agree_where_smooth(found.by_force[0], expected["force", 0], 0, "by_force of normal rows")
         _agree_where_smooth(found.by_force[1], expected["force", 1], 1, "by_force of tangential rows")
         _agree_where_smooth(found.by_gap[0], expected["gap", 0], 0, "by_gap of normal rows")
         _agree_where_smooth(found.by_gap[1], expected["slip", 0], 1, "by_gap of tangential rows")
         _agree_where_smooth(found.cross_force, expected["force", 0], 1, "cross_force")
         _agree_where_smooth(found.cross_gap, expected["gap", 0], 1, "cross_gap")
-
-
-def _differences(part: ImplicitEnforcement, conditions: Conditions, name: str, row: int) -> tuple[Floats, Floats]:
-    """Forward and backward differences (2, k) of both residuals by a change of every slot."""
-    middle, found = _respond(part, conditions).residual, []
-    size = STEP * (scale_of(part, "length_scale", 1.0) if name == "gap" else 1.0)
-    for sign in (1.0, -1.0):
-        moved = np.array(getattr(conditions, name))
-        moved[(row,) if name == "force" else ()] += sign * size
-        found.append(sign * (_respond(part, replace(conditions, **{name: moved})).residual - middle) / size)
-    return found[0], found[1]
 
 
 def _agree_where_smooth(got: Floats, expected: tuple[Floats, Floats], row: int, what: str) -> None:

@@ -25,7 +25,12 @@ def log_convergence(recording: rr.RecordingStream, runs: Sequence[tuple[Gathered
     found = [(run.iterations, appearance) for run, appearance in runs if run.iterations]
     if not found:
         return False
-    axes = _axes([rows for rows, _ in found], hang)
+    shown = [rows for rows, _ in found]
+    values = np.array([_power(value) for rows in shown for row in rows for value in (row.force, row.contact)])
+    most = max(len(list(rows)) for run in shown for _, rows in groupby(run, key=lambda row: row.step))
+    axes = Axes(
+        PATH, 0.0, float(max(2, most)), float(np.floor(values.min())), float(np.ceil(values.max() + 1e-9)), hang
+    )
     powers = range(int(axes.low), int(axes.high) + 1, 2 if axes.high - axes.low < 12 else 4)
     numbers = range(0, int(axes.x1) + 1, max(1, int(axes.x1) // 5))
     axes.log(
@@ -37,14 +42,6 @@ def log_convergence(recording: rr.RecordingStream, runs: Sequence[tuple[Gathered
     for rows, appearance in found:
         _log_run(recording, axes, rows, appearance, rgb(appearance.colour))
     return True
-
-
-def _axes(runs: Sequence[Sequence[IterationRow]], hang: float) -> Axes:
-    values = np.array([_power(value) for rows in runs for row in rows for value in (row.force, row.contact)])
-    most = max(len(list(rows)) for run in runs for _, rows in groupby(run, key=lambda row: row.step))
-    return Axes(
-        PATH, 0.0, float(max(2, most)), float(np.floor(values.min())), float(np.ceil(values.max() + 1e-9)), hang
-    )
 
 
 def _log_run(

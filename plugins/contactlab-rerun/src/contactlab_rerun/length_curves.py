@@ -36,7 +36,12 @@ def log_lengths(
     high, low = np.ceil(every.max(initial=1.0)), np.floor(every.min(initial=0.0))
     axes = replace(pressure.axes, path=f"{pressure.axes.path}-{what}", low=float(low), high=float(high))
     profile = replace(pressure, axes=axes, what=what, folder=f"{what}-along")
-    log_axes(recording, profile, f"{what}{in_brackets(pressure.units.length)}", _ticks(axes, least), runs)
+    # every other power of ten on either side of zero
+    powers = [*range(-int(axes.high) // 2 * 2, 0, 2), *range(2, int(axes.high) + 1, 2)]
+    inside = sorted({power for power in powers if axes.low <= power <= axes.high})
+    first = round(np.log10(least))
+    ticks = [(0.0, "0"), *((float(p), f"{'-' if p < 0 else ''}1e{first + abs(p)}") for p in inside)]
+    log_axes(recording, profile, f"{what}{in_brackets(pressure.units.length)}", ticks, runs)
     for (name, run, appearance), (shown, s, lengths) in zip(runs, curves, strict=True):
         path = f"{appearance.path}/{profile.folder}/{name}/{what}"
         there = np.isfinite(lengths)
@@ -61,11 +66,3 @@ def _curves(axes: Axes, run: Gathered, contact: str, what: str) -> tuple[Curves,
     order = along_surface(axes, run.surfaces[contact])
     shown = curves_of(run, contact, len(order))
     return shown, run.surfaces[contact].s[order], np.asarray(getattr(shown, what)[:, order], np.float64)
-
-
-def _ticks(axes: Axes, least: float) -> list[tuple[float, str]]:
-    """Every other power of ten on either side of zero."""
-    powers = [*range(-int(axes.high) // 2 * 2, 0, 2), *range(2, int(axes.high) + 1, 2)]
-    there = sorted({power for power in powers if axes.low <= power <= axes.high})
-    first = round(np.log10(least))
-    return [(0.0, "0"), *((float(p), f"{'-' if p < 0 else ''}1e{first + abs(p)}") for p in there)]

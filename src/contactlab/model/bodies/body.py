@@ -124,7 +124,14 @@ class BodyForces:
         self.shares_stress = self.shares_gradient and not body.material.history_size
         self.colours = colours([block.connectivity for block in self.blocks], len(force))
         self.block_threads = threads_of_blocks(self.colours, threads, first_thread)
-        _share(self.blocks, self.block_threads, self.shares_gradient, self.shares_stress)
+        # Blocks of equal width on one thread share an array whose values can be recomputed: that is 128 bytes less to
+        # move per Q1 cell and step for each of the two. A gradient follows from positions, a stress from the gradient
+        # unless the law has a history.
+        first: dict[tuple[int, ...], Block] = {}
+        for block, thread in zip(self.blocks, self.block_threads, strict=True):
+            like = first.setdefault((thread, *block.stress.shape), block)
+            block.gradient = like.gradient if self.shares_gradient else block.gradient
+            block.stress = like.stress if self.shares_stress else block.stress
         self.dt = 0.0
         self.scratch = _scratch(self.blocks, self.block_threads)
         self.calls: tuple[Callable[[float], None], ...] = tuple(
@@ -250,20 +257,6 @@ class BodyForces:
         out = np.empty((len(points), block.connectivity.shape[1]))
         jacobian_determinants(positions, block.connectivity, derivatives, out)
         return out
-
-
-def _share(blocks: list[Block], block_threads: Sequence[int], gradient: bool, stress: bool) -> None:
-    """Let blocks of equal width on one thread share an array whose values can be recomputed.
-
-    That is 128 bytes less to move per Q1 cell and step for each of the two.
-
-    A gradient follows from positions, a stress from the gradient unless the law has a history.
-    """
-    first: dict[tuple[int, ...], Block] = {}
-    for block, thread in zip(blocks, block_threads, strict=True):
-        like = first.setdefault((thread, *block.stress.shape), block)
-        block.gradient = like.gradient if gradient else block.gradient
-        block.stress = like.stress if stress else block.stress
 
 
 def _scratch(blocks: Sequence[Block], block_threads: Sequence[int]) -> list[Floats]:

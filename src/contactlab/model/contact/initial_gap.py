@@ -116,19 +116,16 @@ def refuse_overlap(plan: Any, pair: Any, bodies: tuple[Body, ...], positions: Fl
         if depth[worst] > slack:
             if pair.by_energy or not _curves_fit(pair, positions):
                 raise overlap_error(float(depth[worst]), points[worst], inside, False, plan.where)
-            pair.start_gaps = FittedFacets(_made_by_facets(pair, positions))
+            # part (k,) [mm] of the gaps that facets of fitting curves cause: gaps less the clearance of the curves
+            slave, master = pair.slave, pair.master
+            clearance = distances_to_curve(positions[slave.nodes], master, positions, positions)
+            clearance[clearance < _uncertain(pair, master, positions)] = 0.0
+            most = sum(float(facet_depths(side, positions).max()) for side in (slave, master))
+            gaps = start_distances(pair, positions)
+            by_facets = np.clip(gaps - np.tile(clearance, pair.rows_per_node), -most, most)
+            made = np.where(gaps < FAR, by_facets, 0.0)
+            pair.start_gaps = FittedFacets(made)
             return
-
-
-def _made_by_facets(pair: ContactPair, positions: Floats) -> Floats:
-    """Part (k,) [mm] of the gaps that facets of fitting curves cause: gaps less the clearance of the curves."""
-    slave, master = pair.slave, pair.master
-    clearance = distances_to_curve(positions[slave.nodes], master, positions, positions)
-    clearance[clearance < _uncertain(pair, master, positions)] = 0.0
-    most = sum(float(facet_depths(side, positions).max()) for side in (slave, master))
-    gaps = start_distances(pair, positions)
-    made = np.clip(gaps - np.tile(clearance, pair.rows_per_node), -most, most)
-    return np.where(gaps < FAR, made, 0.0)
 
 
 def _curves_fit(pair: ContactPair, positions: Floats) -> bool:

@@ -45,7 +45,11 @@ def build_loads(
             loads.append(_along_edges(table, reference, position if spec.follower else None, courses, run))
         if spec.tx is not None or spec.ty is not None:
             courses = courses_of(spec, ("tx", "ty"), scene.registry, where)
-            loads.append(_dead(table, reference, courses, run))
+            lengths, units = np.zeros(len(reference)), [np.zeros_like(reference), np.zeros_like(reference)]
+            np.add.at(lengths, table.edges, table.length)
+            for component, unit in enumerate(units):
+                unit[:, component] = lengths
+            loads.append(_fixed(units, [course.to for course in courses], [course.bind(run) for course in courses]))
     return tuple(loads)
 
 
@@ -110,14 +114,6 @@ def _along_edges(
     table.add(reference, 1.0, 0.0, units[0])
     table.add(reference, 0.0, 1.0, units[1])
     return _fixed(units, [p, q], [pressure, shear])
-
-
-def _dead(table: _EdgeTable, reference: Floats, courses: list[Course], run: RampTime) -> Load:
-    lengths, units = np.zeros(len(reference)), [np.zeros_like(reference), np.zeros_like(reference)]
-    np.add.at(lengths, table.edges, table.length)
-    for component, unit in enumerate(units):
-        unit[:, component] = lengths
-    return _fixed(units, [course.to for course in courses], [course.bind(run) for course in courses])
 
 
 def _fixed(units: list[Floats], values: list[float], ramps: list[Ramp]) -> Load:

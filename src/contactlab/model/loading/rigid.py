@@ -53,7 +53,13 @@ def build_rigid(scene: Scene, bodies: tuple[Body, ...]) -> tuple[RigidSurface, .
     first = sum(body.count for body in bodies)
     surfaces: list[RigidSurface] = []
     for name, spec in scene.rigid.items():
-        facing = _facing(scene, bodies, name)
+        # edge sets that have this surface as their master
+        facing = []
+        for number, contact in enumerate(scene.contacts):
+            slaves, masters = contact.targets
+            if name in masters:
+                at = scene.where(f"contacts.{number}.slave")
+                facing += [edge_set(bodies, slave, at)[1] for slave in slaves]
         longest = max((_longest(edges, bodies) for edges in facing), default=math.inf)
         segment = spec.segment if spec.segment is not None else longest
         width = facing[0].shape[1] if facing else 2
@@ -83,17 +89,6 @@ def _refuse_crossing(points: Floats, where: Where) -> None:
             got=f"segments that cross at ({place[0]:.6g}, {place[1]:.6g})",
             allowed="a line with its solid on one side",
         )
-
-
-def _facing(scene: Scene, bodies: tuple[Body, ...], name: str) -> list[Ints]:
-    """Edge sets that have this surface as their master."""
-    found = []
-    for number, contact in enumerate(scene.contacts):
-        slaves, masters = contact.targets
-        if name in masters:
-            where = scene.where(f"contacts.{number}.slave")
-            found += [edge_set(bodies, slave, where)[1] for slave in slaves]
-    return found
 
 
 def _longest(edges: Ints, bodies: tuple[Body, ...]) -> float:
