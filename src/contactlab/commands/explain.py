@@ -134,7 +134,10 @@ def _lines(e: Explanation, spare: Sequence[str]) -> Iterator[tuple[str, str]]:
     yield "effects", ", ".join(f"{f.effect} ({together(f.by)})" for f in e.effects if f.called_for)
     yield "can be left out", ", ".join(spare) or "nothing: each effect is needed by another"
     yield "not declared", ", ".join(f.effect for f in e.effects if not f.called_for)
-    yield "needs", "; ".join(_packages(e))
+    parts: dict[str, list[str]] = {}
+    for used in e.parts:
+        parts.setdefault(used.package, []).append(used.part)
+    yield "needs", "; ".join(f"{package} ({', '.join(dict.fromkeys(own))})" for package, own in parts.items())
     outside = [module for module in e.modules if not module.package.startswith("contactlab")]
     libraries = sum(not module.plugin for module in outside)
     compiled = sum(kernel.compiled for kernel in e.kernels)
@@ -170,14 +173,6 @@ def _costs(e: Explanation) -> str:
     told.append(f"rest {percent(rest / wall)} %")
     apart = why_apart(e.scene.seconds_per_step, wall)
     return f"{', '.join(told)} of {number(1e6 * wall)} µs wall time{f', {apart}' if apart else ''}"
-
-
-def _packages(e: Explanation) -> Iterator[str]:
-    """Each package with the parts that it gives."""
-    given: dict[str, list[str]] = {}
-    for used in e.parts:
-        given.setdefault(used.package, []).append(used.part)
-    yield from (f"{package} ({', '.join(dict.fromkeys(parts))})" for package, parts in given.items())
 
 
 def plain(explanation: Explanation) -> dict[str, Any]:

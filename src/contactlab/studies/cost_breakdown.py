@@ -142,7 +142,10 @@ def _cost(variant: Variant, plan: BreakdownPlan, base: Record, other: Record, jo
     if not all(carried_load(run.status, applied_share(run.summary)) for run in (base, other)):
         return EffectCost(*named, step, status=other.status, reason=other.reason)
     # of the driven support's force, or of the first contact's where nothing is supported
-    reaction = _change_of(rich, poor, _force_columns(rich, plan.scene if variant.declared else job.scene))
+    scene = plan.scene if variant.declared else job.scene
+    reactions = {on: np.asarray(force) for on, force in rich.summary.get("reactions", {}).items()}
+    where = driven_support(scene.data, reactions) or ("contacts.0" if scene.contacts else "")
+    reaction = _change_of(rich, poor, tuple(f"{where}.{component}" for component in ("fx", "fy")) if where else ())
     changes = reaction, _pressure(rich, poor)
     return EffectCost(*named, step, run, memory, *changes, _energy(rich, poor), other.status, other.reason)
 
@@ -152,12 +155,6 @@ def _implicit(record: Record) -> bool:
 
 
 # --- what changes in the answer ----------------------------------------------------------------------
-
-
-def _force_columns(record: Record, scene: Scene) -> tuple[str, ...]:
-    reactions = {on: np.asarray(force) for on, force in record.summary.get("reactions", {}).items()}
-    where = driven_support(scene.data, reactions) or ("contacts.0" if scene.contacts else "")
-    return tuple(f"{where}.{component}" for component in ("fx", "fy")) if where else ()
 
 
 def _energy(rich: Record, poor: Record) -> float:

@@ -67,13 +67,7 @@ def conditions_hold(enforcement: Enforcement) -> None:
     # springs act by the predicted gap, or by the one that is left
     idle = (gap < 0.0) & (left < 0.0) & (y == 0.0)
     require(not idle.any(), f"{int(idle.sum())} rows overlap before and after the solve and have no force")
-    _no_force_where_open(enforcement, y, np.minimum(gap, left))
-
-
-def _no_force_where_open(enforcement: Enforcement, force: Floats, gap: Floats) -> None:
-    if enforcement.pressure_before_contact:
-        return
-    open_ = (gap > 0.0) & (force > 0.0)
+    open_ = (np.minimum(gap, left) > 0.0) & (y > 0.0) & (not enforcement.pressure_before_contact)
     require(not open_.any(), f"{int(open_.sum())} rows have a force though they are open (pressure_before_contact)")
 
 

@@ -86,15 +86,13 @@ class Forging(Case):
         deep = record.summary["contacts"]["contacts.0"]["max_penetration"]
         areas = [area(x, cells) / area(record.nodes, cells) - 1.0 for cells in record.cells.values()]
         known = {"force on the floor": floor / ANSWER.value - 1.0} if self.mu == MU else {}
+        segment = SEGMENT * self.ratio / RATIO / setup.level
         return {
             **known,
-            "deepest node of the billet in the anvil, in segments": deep / self._segment(setup),
+            "deepest node of the billet in the anvil, in segments": deep / segment,
             "change of the area of a body": largest(np.array(areas)),
             "force on the floor over that on the punch, less one": floor / punch - 1.0,
             "kinetic energy over what was stored and flowed": balance["kinetic"] / balance["internal"],
             "least lift of the anvil's ends": float(min(gap[0], gap[-1])),
             "force on the floor at the end": floor,
         }
-
-    def _segment(self, setup: Setup) -> float:
-        return SEGMENT * self.ratio / RATIO / setup.level

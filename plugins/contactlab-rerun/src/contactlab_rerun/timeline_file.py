@@ -94,7 +94,9 @@ class TimelineFile:
         shown = [
             replace(
                 one,
-                pictures=log_pictures(self.recording, one.run, one.appearance, _unit(one.run)),
+                pictures=log_pictures(
+                    self.recording, one.run, one.appearance, Units.of_label(one.run.layout.units).pressure
+                ),
                 active_sets=log_newton(self.recording, one.run, one.appearance),
             )
             for one in shown
@@ -169,7 +171,3 @@ def _ended(title: str, summary: Mapping[str, Any]) -> str:
     """The title of a run, and how it ended where that was before its time."""
     status = summary.get("status", "finished")
     return title if status == "finished" else f"{title} ({status} at step {summary.get('steps', 0)})"
-
-
-def _unit(run: Gathered) -> str:
-    return Units.of_label(run.layout.units).pressure
