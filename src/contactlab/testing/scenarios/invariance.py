@@ -84,12 +84,16 @@ def comes_to_its_end(subject: Subject) -> None:
 def _not_promised(subject: Subject) -> set[str]:
     """Codes of what the part may break."""
     found = {"kept-overlap"} if issubclass(subject.part_class, Potential) else set()  # as springs, which give way
-    if subject.kind != "contact" or bool(subject.part_class.passes_patch_test):
+    if _passes_patch_test(subject):
         return found
     found |= set(OF_WEAK_CONDITIONS)
     if half_passes(subject):
         found.add("linear-momentum")  # each side has the forces of its own gaps
     return found
+
+
+def _passes_patch_test(subject: Subject) -> bool:
+    return subject.kind != "contact" or bool(subject.part_class.passes_patch_test)
 
 
 def _is_exact(subject: Subject) -> bool:
