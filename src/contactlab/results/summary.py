@@ -132,7 +132,7 @@ def _contact(report: ContactReport) -> dict[str, Any]:
     memory = report.curve.memory
     return {
         "resultant": list(report.resultant),
-        "pressure_integral": list(report.pressure_integral),
+        "pressure_integral": list(report.covered_integral),
         "intervals": report.intervals,
         "max_pressure": float(report.curve.pressure.max(initial=0.0)),
         "max_nodal_pressure": float(report.curve.nodal_pressure.max(initial=0.0)),
