@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from stops import stopped_at
 
 import contactlab
 from contactlab.results.results import Results
+from contactlab.run.interruption import Interrupted
 from contactlab.scene.scene import Scene
 
 RISE, HALF, LOAD = 0.5, 5.0, 0.02
@@ -120,3 +123,36 @@ def test_a_clip_passes_a_sharp_edge_and_rests_on_the_plate_with_the_force_of_fri
     # the plate is level, and the clip slides on it
     assert along == pytest.approx(-0.2 * across, rel=1e-3)
     np.testing.assert_allclose(clip("node-on-segment").summary["reactions"]["clip.root"], [along, across], rtol=1e-3)
+
+
+@pytest.mark.full
+def test_a_belt_slides_on_its_drum_by_stabilised_steps_and_a_resumed_run_takes_the_same(tmp_path: Path) -> None:
+    """A thin belt is pulled round a rigid drum: the last of its steps tells how the next one is tried."""
+    radius, thick, angle, mu = 10.0, 0.1, 90.0, 0.2
+    belt = {"use": "ring", "radii": [radius, radius + thick], "cells": [12, 1]}
+    scene = Scene.from_data({
+        "time": {"history": True},
+        "integrator": {"use": "newton", "steps": 6},
+        "materials": {"m": {"use": "neo-hookean", "young": 2e4, "poisson": 0.0, "density": 1e-9}},
+        "bodies": {"belt": {"element": "q2", "material": "m", "mesh": {**belt, "angles": [45.0, 45.0 + angle]}}},
+        "rigid": {"drum": {"arc": {"centre": [0.0, 0.0], "radius": radius, "angles": [-30.0, 210.0]}, "segment": 0.916}},
+        "contacts": [{
+            "slave": "belt.inner", "master": "drum", "algorithm": "mortar-p0", "friction": {"use": "coulomb", "mu": mu},
+        }],
+        "supports": [{"on": "belt.end", "turn": {"to": 0.5, "about": [0.0, 0.0], "ramp": "linear"}}],
+        "loads": [{"on": "belt.start", "pressure": -1.0 / thick}],
+    })  # fmt: skip
+    whole = contactlab.simulate(scene)
+    assert whole.status == "finished", whole.reason
+    assert whole.summary["stabilisation"]["steps"] > 4
+    # with a plain attempt before each stabilised step it is 54
+    assert whole.summary["iterations"] < 40 * whole.summary["steps"]
+    # Euler, Eytelwein: tension on the middle of the belt; 2 %: it bends, and its ends stand off by half a facet
+    pull = float(np.hypot(*whole.summary["reactions"]["belt.end"]))
+    assert pull == pytest.approx(np.exp(mu * np.radians(angle) * radius / (radius + 0.5 * thick)), rel=0.02)
+    with pytest.raises(Interrupted), stopped_at(5):
+        contactlab.simulate(scene, out=tmp_path / "cut")
+    resumed = contactlab.simulate(scene, out=tmp_path / "cut", resume=True)
+    assert resumed.summary["resumed_at_steps"] == [5]
+    assert resumed.summary["iterations"] == whole.summary["iterations"]
+    assert np.array_equal(resumed.displacement, whole.displacement)

@@ -36,6 +36,9 @@ STABILISED = 1  # times that a stabilised step is cut before the run is given up
 MUCH = 0.05  # of what friction and plastic flow dissipate: more of it in stabilised steps is warned of
 LITTLE = 0.01  # of the work: what dissipates less hardly changes the answer
 AGAIN = 0.6  # of the wished step: below it a step is stabilised where an earlier one had to be
+AT_ONCE = 2.0**-8  # of the wished step: the shortest where the load is there at once, in statics that can jump
+ALIKE = 0.05  # of the residual of the first iteration
+PLAIN = 4  # after two stabilised steps every such one is tried without: most would fail as the last one did
 TURNED = 0.1  # of a step, the first one after a turn: what reverses in it has no work, in a stiff pad all friction
 HELD = 100  # steps of the longest hold: some periods, over which it is judged, are then a part of it
 NUMBER = re.compile(r"[\d.]+(e[+-]?\d+)?")
@@ -78,7 +81,7 @@ class LoadSchedule(Schedule):
         self.cut_to, self.grow = FLOWING if flows else (CUT, GROW)
         self.failed: Step | None = None  # the last attempt, where it failed
         self.given_up: SimulationFailure | None = None  # what the run would have ended in, while a step is stabilised
-        self.stabilised = 0  # steps
+        self.stabilised = self.in_a_row = 0  # steps, and how many of them without a plain one between
         self.dissipated, self.jumped = 0.0, 0.0  # [mJ] before a stabilised step, and in all of them
         self.contact_times: ContactTimes | None = None
         if integrator.inertia and self.model.contact is not None:
@@ -159,14 +162,16 @@ class LoadSchedule(Schedule):
     def _took(self, step: Step, dt: float) -> None:
         """Follow an accepted step: longer again where it was easy."""
         self.failed = None
+        if self.given_up is None:
+            self.in_a_row = 0
         if self.contact_times is not None:
             self.contact_times.follow(step, dt)
         if self.friction_error is not None:
             self.friction_error.follow(jumped=self.given_up is not None)
         if self.given_up is not None:
-            self.stabilised += 1
+            self.stabilised, self.in_a_row = self.stabilised + 1, self.in_a_row + 1
             self.jumped += self._dissipation() - self.dissipated
-            self._stabilise(None)
+            self._stabilise(self.given_up if self.in_a_row > 1 and self.in_a_row % PLAIN else None)
         elif self.skips:
             self.model.way_followed = False
         elif self.control is not None:
@@ -200,7 +205,11 @@ class LoadSchedule(Schedule):
             self.part = self.cut_to * min(self.part, self.path.fraction(time + tried) - self.path.fraction(time))
         if self.given_up is not None:
             if self.part < JUMP * self.cut_to**STABILISED * self.wished:
-                raise SimulationFailure("not-converged", f"{self.given_up.reason}; {step.reason}")
+                if not self.in_a_row:
+                    raise SimulationFailure("not-converged", f"{self.given_up.reason}; {step.reason}")
+                self.in_a_row = 0
+                self._stabilise(None)
+                return f"a stabilised step of {tried:.6g} from time {time:.6g} failed; a plain one is tried"
         elif how := self._in_vain(step):
             # begins to stabilise the step, where the integrator does
             failure = self._failure(tried, step, how)
@@ -220,9 +229,21 @@ class LoadSchedule(Schedule):
         if self.failed is not None and repeats(self.failed, step):
             return "as the longer one before it, iteration by iteration"
         shortest = AGAIN if self.stabilised else SHORTEST
+        if self.failed is not None and self._starts_alike(self.failed, step):
+            shortest = max(shortest, AT_ONCE)
         if self.part < shortest * self.wished:
             return f"1/{self.cut_to * self.wished / self.part:.0f} of the wished one"
         return ""
+
+    def _starts_alike(self, longer: Step, step: Step) -> bool:
+        """Whether the first correction of an attempt left as much as that of a longer one, in statics that jump.
+
+        What drives both is a load that is there from the start, however short the step is.
+        """
+        stabilises = cast(ImplicitIntegrator, self.model.integrator).stabilises()
+        if not (stabilises and longer.trace and step.trace):
+            return False
+        return abs(step.trace[0].force - longer.trace[0].force) <= ALIKE * longer.trace[0].force
 
     def _stabilise(self, failure: SimulationFailure | None) -> None:
         """Let the next step be stabilised in place of a `failure`, or let steps be plain and long again."""
@@ -359,7 +380,8 @@ class LoadSchedule(Schedule):
 
     def saved(self) -> dict[str, Floats]:
         """Everything that changes while the run goes on."""
-        own = {"schedule.load": np.array([self.part, self.model.way_followed, self.stabilised, self.jumped])}
+        row = self.in_a_row, self.given_up is not None, self.dissipated
+        own = {"schedule.load": np.array([self.part, self.model.way_followed, self.stabilised, self.jumped, *row])}
         if (contact := self._contact()) is not None:
             own["schedule.freedom"] = np.append(contact.freedom, contact.pace)
         if self.friction_error is not None:
@@ -372,8 +394,12 @@ class LoadSchedule(Schedule):
     def restore(self, memory: Mapping[str, Floats]) -> None:
         """Go back to where `memory` was saved."""
         super().restore(memory)
-        self.part, followed, stabilised, self.jumped = memory["schedule.load"].tolist()
+        self.part, followed, stabilised, self.jumped, *row = memory["schedule.load"].tolist()
         self.model.way_followed, self.stabilised = bool(followed), int(stabilised)
+        if row:
+            self.in_a_row, self.dissipated = int(row[0]), row[2]
+            self.given_up = SimulationFailure("not-converged", "stabilised before") if row[1] else None
+            cast("ImplicitModel", self.model).stabilised = self.given_up is not None
         if (contact := self._contact()) is not None:
             contact.freedom[:], contact.pace = memory["schedule.freedom"][:-1], float(memory["schedule.freedom"][-1])
         if self.friction_error is not None:
