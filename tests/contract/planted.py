@@ -580,6 +580,8 @@ NOT_CAUGHT: dict[tuple[str, str], str] = {
     ("friction outside rate-friction/src/rate_friction/laws.py:RateAndState", "age never wears"): "another law: ages since the start",
     ("friction outside rate-friction/src/rate_friction/laws.py:RateAndState", "a and b exchanged"): "another law",
     ("right wear", "slides back"): "a law may know a direction; it is told",
+    ("friction outside rate-friction/src/rate_friction/laws.py:Stribeck", "sign of the rate"): "a law may know a direction; it is told",
+    ("right fibres", "degrees taken as radians"): "another direction of the fibres",
     ("right orowan", "Coulomb beside it"): "another law",
     ("template enforcement", "tolerance in mm"): "another tolerance",
     ("right explicit_springs", "share is not used in friction"): "another spring along the surface",

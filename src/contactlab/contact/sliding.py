@@ -166,7 +166,8 @@ class VaryingSliding(Sliding):
         pressed = (force > 0.0) & (cover > 0.0)
         self.kept[3] = np.divide(force, cover, out=np.zeros_like(force), where=pressed)
         self.kept[4] = np.where(pressed, slip / self.dt, 0.0)
-        self._take_positions(pair)
+        if not pair.idle:  # it knows no positions where nothing is near
+            self._take_positions(pair)
         if self.law.memory:
             remember(self.law, "evolve", self.law.evolve(**self._needed(self.kept[4])), self.remembered)
 

@@ -84,6 +84,10 @@ class ImplicitFloor:
         c = self.conditions
         return -float(c.force[1] @ c.slip) if len(c.slip) else 0.0
 
+    def friction_along_the_way(self) -> tuple[float, float]:
+        """What the slips take, and nothing more than the mean of both ends."""
+        return self.dissipation(), 0.0
+
     def forces(self, normal: Floats, tangential: Floats) -> None:
         """Nodal forces (N, 2) of the trial multipliers; the second (0, 2) without friction."""
         normal[:], tangential[:] = 0.0, 0.0

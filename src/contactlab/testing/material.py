@@ -222,8 +222,11 @@ def _require_energy(law: Material) -> None:
 
 
 def _energy(law: Material, gradient: Floats) -> Floats:
-    out = np.full(len(gradient), np.nan)
-    law.energy(rows_of(gradient), no_history(law, len(gradient)), out)
+    out, rows = np.full(len(gradient), np.nan), rows_of(gradient)
+    history = no_history(law, len(gradient))
+    if law.rate_dependent and law.history_size:  # what relaxes is stored in the history
+        _, history = respond(law, rows, history, elastic_step(law))
+    law.energy(rows, history, out)
     return out
 
 
