@@ -36,8 +36,6 @@ STABILISED = 1  # times that a stabilised step is cut before the run is given up
 MUCH = 0.05  # of what friction and plastic flow dissipate: more of it in stabilised steps is warned of
 LITTLE = 0.01  # of the work: what dissipates less hardly changes the answer
 AGAIN = 0.6  # of the wished step: below it a step is stabilised where an earlier one had to be
-AT_ONCE = 2.0**-8  # of the wished step: the shortest where the load is there at once, in statics that can jump
-ALIKE = 0.05  # of the residual of the first iteration
 PLAIN = 4  # after two stabilised steps every such one is tried without: most would fail as the last one did
 TURNED = 0.1  # of a step, the first one after a turn: what reverses in it has no work, in a stiff pad all friction
 HELD = 100  # steps of the longest hold: some periods, over which it is judged, are then a part of it
@@ -229,21 +227,9 @@ class LoadSchedule(Schedule):
         if self.failed is not None and repeats(self.failed, step):
             return "as the longer one before it, iteration by iteration"
         shortest = AGAIN if self.stabilised else SHORTEST
-        if self.failed is not None and self._starts_alike(self.failed, step):
-            shortest = max(shortest, AT_ONCE)
         if self.part < shortest * self.wished:
             return f"1/{self.cut_to * self.wished / self.part:.0f} of the wished one"
         return ""
-
-    def _starts_alike(self, longer: Step, step: Step) -> bool:
-        """Whether the first correction of an attempt left as much as that of a longer one, in statics that jump.
-
-        What drives both is a load that is there from the start, however short the step is.
-        """
-        stabilises = cast(ImplicitIntegrator, self.model.integrator).stabilises()
-        if not (stabilises and longer.trace and step.trace):
-            return False
-        return abs(step.trace[0].force - longer.trace[0].force) <= ALIKE * longer.trace[0].force
 
     def _stabilise(self, failure: SimulationFailure | None) -> None:
         """Let the next step be stabilised in place of a `failure`, or let steps be plain and long again."""
