@@ -255,7 +255,7 @@ def hold(t, count, x, q, nearest, v, reach, depth, p):
 
     It is a segment and eta on it, `nearest`, or where the first is negative vertex v beside the point. A quadratic edge
     holds at its closest point, also beside the kink of its halves, where the true edge is smooth. A convex vertex holds
-    along the line to the point, a concave one nodes with both segments.
+    along the line to the point, a concave one nodes with both segments, but a corner of the slave with the one it faces.
     """
     surface, (m, eta) = t.sides.master, nearest
     if surface.edges.shape[1] == 3:
@@ -275,9 +275,10 @@ def hold(t, count, x, q, nearest, v, reach, depth, p):
     if v >= 0:
         before, after = surface.node_segments[v, 0], surface.node_segments[v, 1]
         one, other = node(t.master_normal, before), node(t.master_normal, after)
-        if POINTS == 0 and -one.cross(other) > SHARP and (m < 0 or t.rival[q] == q):
+        valley = POINTS == 0 and -one.cross(other) > SHARP
+        if valley and (m < 0 or t.rival[q] == q):
             number, first, second = 2, _of_segment(t, before, 1.0), _of_segment(t, after, 0.0)
-        elif not (POINTS == 0 and -one.cross(other) > SHARP):
+        elif not valley:
             between = x.at - node(t.sides.at.master, v)
             if between @ (one + other) < 0.0 and between.length() > depth:
                 return count
