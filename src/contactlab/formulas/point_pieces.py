@@ -255,7 +255,7 @@ def hold(t, count, x, q, nearest, v, reach, depth, p):
 
     It is a segment and eta on it, `nearest`, or where the first is negative vertex v beside the point. A quadratic edge
     holds at its closest point, also beside the kink of its halves, where the true edge is smooth. A convex vertex holds
-    along the line to the point, a concave one nodes with both segments, but a corner of the slave with the one it faces.
+    along the line to the point, a concave one nodes with both segments, a corner of the slave with the one it faces.
     """
     surface, (m, eta) = t.sides.master, nearest
     if surface.edges.shape[1] == 3:
