@@ -116,7 +116,7 @@ class ImplicitContact(Protocol):
         """Energy [mJ] that friction has taken since the start of the step, conditions and potentials together."""
 
     def friction_along_the_way(self) -> tuple[float, float]:
-        """The same for a load step from rest to rest, and how much of it the mean of forces at both ends lacks [mJ]."""
+        """Energy [mJ] that friction takes in a load step; the excess over the work of the mean of both ends' forces."""
 
     def evaluate(self, position: Floats) -> None:
         """Fill `conditions` at trial positions (N, 2); slots without a condition lose their force."""

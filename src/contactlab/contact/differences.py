@@ -71,7 +71,6 @@ class DerivativesOfPieces:
         first, last = np.full(pair.slots, np.iinfo(np.int32).max, np.int32), np.full(pair.slots, -1, np.int32)
         if self.follows_master is None:
             # whether normals change with the master's positions
-            pair = self.pair
             shake = np.random.default_rng(1).uniform(-STEP, STEP, pair.at.master.shape) * pair.size
             self.shown[0].at.master[:] += shake
             self._evaluate(0, memory)

@@ -19,7 +19,7 @@ from contactlab.contact.explicit_system import allocate_rows
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair, shown, turned
 from contactlab.contact.passage import first_passage
-from contactlab.contact.sliding import varying
+from contactlab.contact.sliding import friction_limits, varying
 
 if TYPE_CHECKING:
     from contactlab.contact.potential_pair import PotentialPair
@@ -262,7 +262,7 @@ class ImplicitContactSystem:
         return -sum(pair.share * float(work[pair.own].sum()) for pair in self.passes)
 
     def friction_along_the_way(self) -> tuple[float, float]:
-        """Energy [mJ] that friction takes in a load step, and how much of it the mean of both ends' forces lacks.
+        """Energy [mJ] that friction takes in a load step; the excess over the work of the mean of both ends' forces.
 
         Surfaces that begin to slide or turn back within the step slide at the bound from there on: at the lower one of
         both ends, or at the force of the start where that lies between the bounds.
@@ -271,18 +271,11 @@ class ImplicitContactSystem:
         if not self.friction:
             return potentials, 0.0
         c, (normal, shear) = self.conditions, self.started
-        bounds = np.stack([self._bounds(normal), self._bounds(c.force[0])])
+        bounds = np.stack([friction_limits(c, force)[0] for force in (normal, c.force[0])])
         slides, way = np.abs(c.force[1]) >= bounds[1] * (1.0 - ROUND_OFF), -np.sign(c.slip)
         start = np.where(slides, way * np.clip(way * shear, bounds.min(axis=0), bounds.max(axis=0)), shear)
         taken = self._rubbed(0.5 * (start + c.force[1]))
         return taken + potentials, taken - self._rubbed(0.5 * (shear + c.force[1]))
-
-    def _bounds(self, normal: Floats) -> Floats:
-        """Friction bounds (k,) [N] at normal forces (k,) [N]."""
-        coefficient, adhesion, cap = self.conditions.bound
-        adhesive = np.where(self.conditions.present, adhesion * self.conditions.measure, 0.0)
-        capped = np.minimum(adhesive, np.where(np.isfinite(cap), cap, 0.0) * normal)
-        return np.asarray(coefficient * normal + np.where(np.isfinite(cap), capped, adhesive))
 
     def scale(self, flexibility: Floats) -> None:
         """Nodal flexibilities from which contact stiffnesses follow."""

@@ -11,6 +11,7 @@ from contactlab.api.arrays import Flags
 from contactlab.api.frame import OPEN, SLIP, STICK
 from contactlab.contact.pair import ContactPair, initial_gaps
 from contactlab.contact.pressure_memory import PressureMemory, named
+from contactlab.contact.sliding import friction_limits
 
 POINTS, WEIGHTS = 0.5 * (np.polynomial.legendre.leggauss(4)[0] + 1.0), 0.5 * np.polynomial.legendre.leggauss(4)[1]
 DOUBLED = 30  # times that a depth is, until the law gives a force there
@@ -187,13 +188,7 @@ class MeanPressureResponse(PressureResponse):
 def rub(c: Conditions, out: Response) -> None:
     """Sticking conditions do not slip, the others carry their bound."""
     stiffness = np.where(c.present, c.stiffness, 0.0)
-    # the largest tangential force (k,) [N] under the present normal one, and its derivative by that
-    coefficient, adhesion, cap = c.bound
-    normal, grip = np.maximum(c.force[0], 0.0), adhesion * c.measure
-    capped = np.where(np.isfinite(cap), cap, 0.0) * normal
-    follows = np.isfinite(cap) & (capped < grip)
-    held = np.where(c.present, np.where(follows, capped, grip) + coefficient * normal, 0.0)
-    limit, growth = held, np.where(c.force[0] > 0.0, coefficient + np.where(follows, cap, 0.0), 0.0)
+    limit, growth = friction_limits(c, c.force[0])
     trial = c.force[1] - stiffness * c.slip
     # a force at one end of its bound that would jump to the other sticks first: Newton's method goes to and fro else
     turns = (trial * c.force[1] < 0.0) & (limit > 0.0)

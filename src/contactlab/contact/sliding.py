@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contactlab.api import ContactView, Floats, FrictionLaw, Ints, State
+from contactlab.api import Conditions, ContactView, Floats, FrictionLaw, Ints, State
 from contactlab.api.surface import SurfacePositions
 from contactlab.errors import WrongAnswer
 from contactlab.parts.remembered import checked, remember
@@ -26,6 +26,16 @@ TRIES = 60
 """Most tries to find a rate of slip."""
 EXACT = 1e-9
 """Error of a slip that was found, over the slip without friction."""
+
+
+def friction_limits(conditions: Conditions, normal: Floats) -> tuple[Floats, Floats]:
+    """Largest tangential forces (k,) [N] at normal forces (k,) [N], and their derivatives by these."""
+    coefficient, adhesion, cap = conditions.bound
+    pressed, grip = np.maximum(normal, 0.0), adhesion * conditions.measure
+    capped = np.where(np.isfinite(cap), cap, 0.0) * pressed
+    follows = np.isfinite(cap) & (capped < grip)
+    limit = np.where(conditions.present, np.where(follows, capped, grip) + coefficient * pressed, 0.0)
+    return limit, np.where(normal > 0.0, coefficient + np.where(follows, cap, 0.0), 0.0)
 
 
 class Sliding:

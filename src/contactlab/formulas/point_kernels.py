@@ -84,13 +84,14 @@ def gauss_point(t, s, xi):
 def _beyond(t, m, side, s):
     """How far a point of slave segment s may project beyond an end (0 or 1) of master segment m, in lengths of m.
 
-    Beyond the end in a sharp valley it has sunk into the next segment.
+    A node beyond the end in a sharp valley has sunk into the next segment: it may be as far as beside a free end.
     """
     surface = t.sides.master
     other = surface.node_segments[surface.segments[m, side], side]
-    if other >= 0:
-        return LEAVE if POINTS == 0 and kink(t, other if side == 0 else m, m if side == 0 else other) < -SHARP else EDGE
-    return LEAVE * min(1.0, t.slave_length[s] / t.master_length[m])
+    if other < 0:
+        return LEAVE * min(1.0, t.slave_length[s] / t.master_length[m])
+    first, second = (other, m) if side == 0 else (m, other)
+    return LEAVE if POINTS == 0 and kink(t, first, second) < -SHARP else EDGE
 
 
 @section

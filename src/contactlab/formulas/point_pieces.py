@@ -276,6 +276,7 @@ def hold(t, count, x, q, nearest, v, reach, depth, p):
         before, after = surface.node_segments[v, 0], surface.node_segments[v, 1]
         one, other = node(t.master_normal, before), node(t.master_normal, after)
         valley = POINTS == 0 and -one.cross(other) > SHARP
+        # a node at a corner of the slave keeps to the segment that it faces
         if valley and (m < 0 or t.rival[q] == q):
             number, first, second = 2, _of_segment(t, before, 1.0), _of_segment(t, after, 0.0)
         elif not valley:

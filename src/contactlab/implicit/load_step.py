@@ -159,7 +159,7 @@ class LoadStep:
 class Ledger:
     """Books the work of every kind of force over a step by the trapezoidal rule, exact for forces linear in motion.
 
-    Friction is not, where surfaces begin to slide within a step: what it takes more, loads and supports give more.
+    If surfaces begin to slide within a step, friction takes more: this excess is booked as work of loads, too.
     """
 
     def __init__(self, state: State) -> None:
@@ -177,7 +177,7 @@ class Ledger:
         ]
 
     def end(self, external: Floats, normal: Floats, tangential: Floats, slid: tuple[float, float]) -> None:
-        """Book the step that led from there to the state as it is; see `friction_along_the_way` for `slid`."""
+        """Book the step that led from there to the state as it is; `slid` as `friction_along_the_way` gives it."""
         state, work = self.state, self.state["work"]
         moved = state["displacement"] - self.displacement
         internal, reaction, loads, pressed, rubbed = self.before
@@ -186,9 +186,10 @@ class Ledger:
         work[CONTACT] += _work(pressed, normal, moved)
         if len(tangential):
             work[FRICTION] += _work(rubbed, tangential, moved)
-        work[SLIP] += slid[0]
-        work[FRICTION] -= slid[1]
-        work[EXTERNAL] += slid[1]
+        taken, excess = slid
+        work[SLIP] += taken
+        work[FRICTION] -= excess
+        work[EXTERNAL] += excess
 
 
 def _work(before: Floats, after: Floats, moved: Floats) -> float:

@@ -290,18 +290,22 @@ class Driver:
                 self._ready.add(waiting.run.composition)
                 self.progress.say("")
             if future is not None:
-                run = waiting.run
-                del self._under_way[run.identity]
-                record, content = self._outcome(run, future)
-                if content is not None and self.archive is not None:
-                    key = run.limit_key if "cpu_limit" in record.summary else run.key
-                    cost = record.summary.get("cost", {})
-                    work = record.summary.get("steps", 0) + record.summary.get("iterations", 0)
-                    cpu = record.summary["process_s"] - float(cost.get("compile_s", 0.0))
-                    end = (record.status, record.reason, work, cpu, content)
-                    self.archive.add_run(StoredRun(key, run.name, run.scene.toml(), *end, record.summary["machine"]))
-                self._settle(waiting, record)
+                self._take(waiting, future)
         self._look()
+
+    def _take(self, waiting: _Waiting, future: Future[bytes]) -> None:
+        """Take in the outcome of a run, and put it into the archive."""
+        run = waiting.run
+        del self._under_way[run.identity]
+        record, content = self._outcome(run, future)
+        if content is not None and self.archive is not None:
+            summary = record.summary
+            key = run.limit_key if "cpu_limit" in summary else run.key
+            work = summary.get("steps", 0) + summary.get("iterations", 0)
+            cpu = summary["process_s"] - float(summary.get("cost", {}).get("compile_s", 0.0))
+            end = (record.status, record.reason, work, cpu, content)
+            self.archive.add_run(StoredRun(key, run.name, run.scene.toml(), *end, summary["machine"]))
+        self._settle(waiting, record)
 
     def _settle(self, waiting: _Waiting, record: Record) -> None:
         self.progress.ended(waiting.run.name)

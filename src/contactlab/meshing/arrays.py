@@ -93,8 +93,8 @@ def mesh(points: Any, cells: Any = None, sets: Mapping[str, EdgeSet] | None = No
         parts.points = parts.points * scale
         if parts.cells.ndim != 2 or parts.cells.shape[1] not in CELLS:
             raise ValueError(f"cells of shape {parts.cells.shape}, allowed: (n, 4), (n, 8) or (n, 9)")
-        sets = {name: value.tolist() for name, value in parts.sets.items()}
-        data = {"points": parts.points.tolist(), "cells": parts.cells.tolist(), "sets": sets}
+        edges = {name: value.tolist() for name, value in parts.sets.items()}
+        data = {"points": parts.points.tolist(), "cells": parts.cells.tolist(), "sets": edges}
         quads_of(_as_file(data), "", 1.0)
         packed = zlib.compress(json.dumps(data, separators=(",", ":"), allow_nan=False).encode(), 9)
         spec = MeshSpec({"use": "arrays", "content": base64.b64encode(packed).decode()})

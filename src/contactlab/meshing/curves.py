@@ -30,14 +30,18 @@ def distances_to_curve(points: Floats, surface: Surface, position: Floats, refer
     position   (N, 2) [mm] of the model's nodes; reference: where they were, which tells facets from kinks
     """
     depths = facet_depths(surface, reference) * np.sign(turns(surface, reference))
+    return _in_parts(points, surface, position, depths)
+
+
+def distances_to_facets(points: Floats, surface: Surface, position: Floats) -> Floats:
+    """Distances (n,) [mm] of points (n, 2) to the segments of a surface; otherwise as `distances_to_curve`."""
+    return _in_parts(points, surface, position, np.zeros(len(surface.nodes)))
+
+
+def _in_parts(points: Floats, surface: Surface, position: Floats, depths: Floats) -> Floats:
     size = max(1, PAIRS // len(surface.segments))
     parts = (points[first : first + size] for first in range(0, len(points), size))
     return np.concatenate([np.zeros(0), *(_distances(part, surface, position, depths) for part in parts)])
-
-
-def distances_to_facets(points: Floats, surface: Surface, position: Floats, reference: Floats) -> Floats:
-    """The same to the facets of that curve."""
-    return _distances(points, surface, position, np.zeros_like(facet_depths(surface, reference)))
 
 
 def nearest_segments(points: Floats, surface: Surface, position: Floats) -> tuple[Ints, Floats]:

@@ -32,20 +32,19 @@ class Quads(NamedTuple):
 
 def refined(quads: Quads, element: Element, level: int) -> Mesh:
     """Every cell cut into level x level, with the nodes of `element`; curved cells stay curved."""
-    steps = level * lattice_order(element)
+    order = lattice_order(element)
+    steps = level * order
     numbers = _lattice_numbers(quads.cells[:, :4], steps)
     # lattice positions (level^2, a) of the nodes of every sub-cell, row by row
-    order = lattice_order(element)
-    width = level * order + 1
     i, j = np.meshgrid(np.arange(level), np.arange(level))
-    corner = order * (j.ravel() * width + i.ravel())
+    corner = order * (j.ravel() * (steps + 1) + i.ravel())
     offset = np.rint((element.nodes + 1.0) / 2.0 * order).astype(int)
-    grid = np.asarray(corner[:, None] + offset[:, 1] * width + offset[:, 0])
+    grid = np.asarray(corner[:, None] + offset[:, 1] * (steps + 1) + offset[:, 0])
     cells = numbers[:, grid].reshape(-1, len(element.nodes))
     used, first = np.unique(cells, return_index=True)
     # positions (n, (steps + 1)^2, 2) of the lattice, by the cells' own shape functions
     t = np.linspace(-1.0, 1.0, steps + 1)
-    xi, eta = (grid.ravel() for grid in np.meshgrid(t, t))
+    xi, eta = (place.ravel() for place in np.meshgrid(t, t))
     lattice = np.asarray(np.einsum("sa,nai->nsi", shapes(quads.cells.shape[1], xi, eta), quads.points[quads.cells]))
     place = lattice[:, grid].reshape(-1, 2)[first]
     final = np.zeros(used[-1] + 1, np.int32)

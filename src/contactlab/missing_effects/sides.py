@@ -62,6 +62,7 @@ class WrongSide:
         """Take in segment lengths and normals at the slave nodes that are pressed now."""
         pair, position = self.pair, self.model.position
         multipliers = self.model.state["multipliers"][:, pair.own]
+        # signs of the tangential forces, 0 without friction, which has no row then
         forces, shear = multipliers[0], np.sign(multipliers[1:].sum(axis=0))
         slots = np.flatnonzero(forces > 0.0)
         if not len(slots):

@@ -35,7 +35,7 @@ def nodal_values(position: Floats, cells: Ints, values: Floats) -> Floats:
     around = csr_array(pattern, shape=(len(position), n))
     few = np.diff(around.indptr) < ENOUGH
     wide = around @ around.T @ around  # cells that touch a cell at the node
-    # rows of `wide` where chosen, else of `narrow`
+    # rows of `wide` where there are few cells, else of `around`
     keep, take = (~few).astype(float), few.astype(float)
     patch = csr_array(around.multiply(keep[:, None]) + wide.multiply(take[:, None])).sorted_indices()
     counts = np.diff(patch.indptr)

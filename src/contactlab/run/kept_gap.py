@@ -44,21 +44,17 @@ class KeptGap(NamedTuple):
 class _Distances(NamedTuple):
     """Distances of one pair's nodes.
 
-    nodes  (n,) of the model
-    apart  (n,) [mm] what each is off the curve, negative within it
-    push   (n, 2) [N] forces of a potential on its nodes, inwards; without one (n,) those of the conditions
+    nodes   (n,) of the model
+    apart   (n,) [mm] distance of each from the curve, negative within it
+    force   (n,) [N] by which each is pressed
+    inward  (n, 2) directions of these forces, zero without a force; (0, 2) of pairs that set conditions
     """
 
     pair: ContactPair
     nodes: Ints
     apart: Floats
-    push: Floats
-
-    @property
-    def work(self) -> float:
-        """What closing them all takes [mJ]."""
-        size = self.push if self.push.ndim == 1 else np.hypot(*self.push.T)
-        return float(size @ np.abs(self.apart))
+    force: Floats
+    inward: Floats
 
 
 def kept_gaps(model: ImplicitModel, pairs: list[ContactPair], stored: float) -> Iterator[KeptGap]:
@@ -70,7 +66,7 @@ def kept_gaps(model: ImplicitModel, pairs: list[ContactPair], stored: float) -> 
     """
     assert model.contact is not None
     found = [_of_potential(model, pair) if isinstance(pair, PotentialPair) else _of_gaps(model, pair) for pair in pairs]
-    if not sum(one.work for one in found) > HIGH * stored > 0.0:
+    if not sum(float(one.force @ np.abs(one.apart)) for one in found) > HIGH * stored > 0.0:
         return
     equations = linearised(model)
     closing, forces = np.zeros(len(model.state["multipliers"][0])), np.zeros(model.reference.size)
@@ -106,7 +102,7 @@ def _of_gaps(model: ImplicitModel, pair: ContactPair) -> _Distances:
     points = model.position[nodes[pressed]]
     apart[pressed] = distances_to_curve(points, pair.master, model.position, model.reference)
     apart -= np.where(force > 0.0, model.contact.conditions.gap[pair.own], 0.0)  # what a penalty leaves
-    return _Distances(pair, nodes, apart, force)
+    return _Distances(pair, nodes, apart, force, np.zeros((0, 2)))
 
 
 def _of_potential(model: ImplicitModel, pair: PotentialPair) -> _Distances:
@@ -116,26 +112,24 @@ def _of_potential(model: ImplicitModel, pair: PotentialPair) -> _Distances:
     of_slave = np.arange(len(apart)) < len(pair.slave.nodes)
     for own, other in ((of_slave, pair.master), (~of_slave, pair.slave)):
         pressed = np.flatnonzero(own & pushed)
-        points = model.position[pair.nodes[pressed]], other, model.position, model.reference
-        off, within = distances_to_facets(*points), distances_to_curve(*points)
+        points = model.position[pair.nodes[pressed]]
+        off = distances_to_facets(points, other, model.position)
+        within = distances_to_curve(points, other, model.position, model.reference)
         apart[pressed] = np.minimum(within - off + np.maximum(off - pair.opened, 0.0), 0.0)
-    return _Distances(pair, pair.nodes, apart, pair.pushed)
+    force = np.hypot(*pair.pushed.T)
+    inward = np.divide(pair.pushed, force[:, None], out=np.zeros_like(pair.pushed), where=force[:, None] > 0.0)
+    return _Distances(pair, pair.nodes, apart, force, inward)
 
 
 def _shift(one: _Distances) -> Floats:
     """Motion (2n,) [mm] of nodes along their forces, inwards, that closes what a potential does not see."""
-    return np.asarray(-one.apart[:, None] * _inward(one.push)).ravel()
-
-
-def _inward(push: Floats) -> Floats:
-    size = np.hypot(*push.T)[:, None]
-    return np.asarray(np.divide(push, size, out=np.zeros_like(push), where=size > 0.0))
+    return np.asarray(-one.apart[:, None] * one.inward).ravel()
 
 
 def _share(one: _Distances, motion: Floats, added: Floats) -> float:
-    """Of the force on the slave what distances add, where closing them moves nodes by `motion` (2N,) [mm]."""
+    """Share of the force on the slave that distances add, if closing them moves nodes by `motion` (2N,) [mm]."""
     if not isinstance(one.pair, PotentialPair):
-        return float(added[one.pair.own].sum() / one.push.sum())
+        return float(added[one.pair.own].sum() / one.force.sum())
     m = len(one.pair.slave.nodes)
     more = (one.pair.stiffness() @ (motion[one.pair.dof] + _shift(one))).reshape(-1, 2)[:m]
-    return -float((more * _inward(one.push[:m])).sum() / np.hypot(*one.push[:m].T).sum())
+    return -float((more * one.inward[:m]).sum() / one.force[:m].sum())

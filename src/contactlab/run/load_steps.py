@@ -36,7 +36,7 @@ STABILISED = 1  # times that a stabilised step is cut before the run is given up
 MUCH = 0.05  # of what friction and plastic flow dissipate: more of it in stabilised steps is warned of
 LITTLE = 0.01  # of the work: what dissipates less hardly changes the answer
 AGAIN = 0.6  # of the wished step: below it a step is stabilised where an earlier one had to be
-PLAIN = 4  # after two stabilised steps every such one is tried without: most would fail as the last one did
+PLAIN = 4  # a plain trial follows the first stabilised step in a row and every fourth: most others would fail
 TURNED = 0.1  # of a step, the first one after a turn: what reverses in it has no work, in a stiff pad all friction
 HELD = 100  # steps of the longest hold: some periods, over which it is judged, are then a part of it
 NUMBER = re.compile(r"[\d.]+(e[+-]?\d+)?")
@@ -209,7 +209,6 @@ class LoadSchedule(Schedule):
                 self._stabilise(None)
                 return f"a stabilised step of {tried:.6g} from time {time:.6g} failed; a plain one is tried"
         elif how := self._in_vain(step):
-            # begins to stabilise the step, where the integrator does
             failure = self._failure(tried, step, how)
             if not cast(ImplicitIntegrator, self.model.integrator).stabilises():
                 raise failure
@@ -366,8 +365,9 @@ class LoadSchedule(Schedule):
 
     def saved(self) -> dict[str, Floats]:
         """Everything that changes while the run goes on."""
-        row = self.in_a_row, self.given_up is not None, self.dissipated
-        own = {"schedule.load": np.array([self.part, self.model.way_followed, self.stabilised, self.jumped, *row])}
+        numbers = self.part, self.model.way_followed, self.stabilised, self.jumped
+        jumps = self.in_a_row, self.given_up is not None, self.dissipated
+        own = {"schedule.load": np.array([*numbers, *jumps])}
         if (contact := self._contact()) is not None:
             own["schedule.freedom"] = np.append(contact.freedom, contact.pace)
         if self.friction_error is not None:
@@ -380,11 +380,13 @@ class LoadSchedule(Schedule):
     def restore(self, memory: Mapping[str, Floats]) -> None:
         """Go back to where `memory` was saved."""
         super().restore(memory)
-        self.part, followed, stabilised, self.jumped, *row = memory["schedule.load"].tolist()
+        self.part, followed, stabilised, self.jumped, *jumps = memory["schedule.load"].tolist()
         self.model.way_followed, self.stabilised = bool(followed), int(stabilised)
-        if row:
-            self.in_a_row, self.dissipated = int(row[0]), row[2]
-            self.given_up = SimulationFailure("not-converged", "stabilised before") if row[1] else None
+        if jumps:  # files of earlier versions have none
+            in_a_row, given_up, self.dissipated = jumps
+            self.in_a_row = int(in_a_row)
+            # a stabilised step that fails in a row is tried plainly: this reason is never told
+            self.given_up = SimulationFailure("not-converged", "stabilised before") if given_up else None
             cast("ImplicitModel", self.model).stabilised = self.given_up is not None
         if (contact := self._contact()) is not None:
             contact.freedom[:], contact.pace = memory["schedule.freedom"][:-1], float(memory["schedule.freedom"][-1])

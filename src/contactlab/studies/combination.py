@@ -34,10 +34,8 @@ def combination_plan(
     ]  # fmt: skip
     costs = [record.summary.get("cost", {}) for record in (first, *others) if record.status == first.status]
     names = ("run_cpu_s", "run_wall_s", "compile_s")
-    cost = {
-        **first.summary.get("cost", {}),
-        **{name: statistics.median(cost[name] for cost in costs) for name in names if all(name in c for c in costs)},
-    }
+    medians = {name: statistics.median(c[name] for c in costs) for name in names if all(name in c for c in costs)}
+    cost = {**first.summary.get("cost", {}), **medians}
     record = replace(first, summary={**first.summary, "cost": cost}) if cost else first
     over(one, record)
     return record

@@ -124,12 +124,13 @@ def response_is_linearised(enforcement: Enforcement) -> None:
         found, expected = _respond(part, conditions), {}
         for name, row in (("force", 0), ("force", 1), ("gap", 0), ("slip", 0)):
             # forward and backward differences (2, k) of both residuals by a change of every slot
-            middle, sides = _respond(part, conditions).residual, []
+            sides = []
             size = STEP * (scale_of(part, "length_scale", 1.0) if name == "gap" else 1.0)
             for sign in (1.0, -1.0):
                 moved = np.array(getattr(conditions, name))
                 moved[(row,) if name == "force" else ()] += sign * size
-                sides.append(sign * (_respond(part, replace(conditions, **{name: moved})).residual - middle) / size)
+                residual = _respond(part, replace(conditions, **{name: moved})).residual
+                sides.append(sign * (residual - found.residual) / size)
             expected[name, row] = sides[0], sides[1]
         _agree_where_smooth(found.by_force[0], expected["force", 0], 0, "by_force of normal rows")
         _agree_where_smooth(found.by_force[1], expected["force", 1], 1, "by_force of tangential rows")

@@ -85,7 +85,7 @@ class ImplicitFloor:
         return -float(c.force[1] @ c.slip) if len(c.slip) else 0.0
 
     def friction_along_the_way(self) -> tuple[float, float]:
-        """What the slips take, and nothing more than the mean of both ends."""
+        """Energy [mJ] of the slips, with no excess over the mean of both ends."""
         return self.dissipation(), 0.0
 
     def forces(self, normal: Floats, tangential: Floats) -> None:

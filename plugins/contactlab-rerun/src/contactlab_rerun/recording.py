@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from contactlab_rerun.timeline_file import TimelineFile
 
 LOG = "RUST_LOG"
+MANY = 4096  # steps that wait before the library is needed
+Summary = Mapping[str, Any]
 
 
 @contextmanager
@@ -43,10 +45,6 @@ def imported_quietly() -> Iterator[None]:
             del os.environ[LOG]
         if collecting:
             gc.enable()
-
-
-MANY = 4096  # steps that wait before the library is needed
-Summary = Mapping[str, Any]
 
 
 class RunRecording(Recording):

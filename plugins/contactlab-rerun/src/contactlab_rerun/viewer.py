@@ -61,7 +61,7 @@ def open_window(file: Path) -> None:
         _, words = process.communicate(timeout=3.0)
     except subprocess.TimeoutExpired:
         if step is not None:
-            # puts the cursor of a running viewer there, if it answers
+            # put the cursor of the running viewer at this step, if it answers
             from rerun.experimental import ViewerClient
 
             with contextlib.suppress(Exception):
