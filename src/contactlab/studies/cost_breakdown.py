@@ -141,7 +141,7 @@ def _cost(variant: Variant, plan: BreakdownPlan, base: Record, other: Record, jo
     named = (variant.effect, variant.declared)
     if not all(carried_load(run.status, applied_share(run.summary)) for run in (base, other)):
         return EffectCost(*named, step, status=other.status, reason=other.reason)
-    # of the driven support's force, or of the first contact's where nothing is supported
+    # change of the driven support's force, or of the first contact's if nothing is supported
     scene = plan.scene if variant.declared else job.scene
     reactions = {on: np.asarray(force) for on, force in rich.summary.get("reactions", {}).items()}
     where = driven_support(scene.data, reactions) or ("contacts.0" if scene.contacts else "")
