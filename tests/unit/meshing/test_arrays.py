@@ -125,3 +125,11 @@ def test_a_model_of_gmsh() -> None:
     assert len(whole.cells) == 2
     with pytest.raises(RequestError, match='did you mean "right"'):
         contactlab.mesh(Model(), "rigth")
+
+
+def test_a_refusal_shows_the_edge_sets_as_they_were_given() -> None:
+    points, cells = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, np.nan]], [[0, 1, 2, 3]]
+    sets = {"bottom": [True, True, False, False]}
+    with pytest.raises(RequestError) as refused:
+        contactlab.mesh(points, cells, sets)
+    assert refused.value.got == [points, cells, sets]
