@@ -29,14 +29,7 @@ class ConditionDifferences:
     def __init__(self, pair: GapPair) -> None:
         self.pair = pair
         self.reach = _reach(pair)
-        # length (N,) [mm] of the shortest segment at each node: on graded meshes others are a hundred times as long
-        size = np.full(len(pair.of_slave), np.inf)
-        for surface, at in ((pair.slave, pair.at.slave), (pair.master, pair.at.master)):
-            ends = at[surface.segments]
-            length = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
-            for end in surface.segments.T:
-                np.minimum.at(size, surface.nodes[end], length)
-        self.size = np.where(np.isfinite(size), size, pair.size)
+        self.size = _sizes(pair)
         self.colours: dict[int, _Colours] = {}  # by how often the pattern was widened
         self.at_once = np.random.default_rng(0).uniform(-1.0, 1.0, (len(pair.of_slave), 2))
 
@@ -72,12 +65,7 @@ class ConditionDifferences:
                 move = chosen[:, None] * axis
                 high, low = (self._weights(found, order, sign * move, memory) for sign in (1.0, -1.0))
                 size = self.size[node][:, None]
-                # central difference; one-sided where the other side lies beyond a kink, zero where both do
-                step = STEP * size
-                value = (high - low) / (2.0 * step)
-                value = np.where(np.isnan(low), (high - here) / step, value)
-                value = np.where(np.isnan(high), (here - low) / step, value)
-                value = np.nan_to_num(value)
+                value = _difference(high, here, low, STEP * size)
                 kept = np.flatnonzero((node >= 0) & np.any(np.abs(value) > ROUND_OFF / size, axis=1))
                 entries.append(order[kept])
                 moved.append(2 * node[kept] + direction)
@@ -181,3 +169,22 @@ def _aligned(found: GapConditions, order: Ints, trial: GapConditions, slots: int
     out[kept] = trial.normal_weight[entry]
     out[np.isin(row, row[kept[differs]])] = np.nan
     return out
+
+
+def _sizes(pair: GapPair) -> Floats:
+    """Length (N,) [mm] of the shortest segment at each node: on graded meshes others are a hundred times as long."""
+    size = np.full(len(pair.of_slave), np.inf)
+    for surface, at in ((pair.slave, pair.at.slave), (pair.master, pair.at.master)):
+        ends = at[surface.segments]
+        length = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
+        for end in surface.segments.T:
+            np.minimum.at(size, surface.nodes[end], length)
+    return np.where(np.isfinite(size), size, pair.size)
+
+
+def _difference(high: Floats, here: Floats, low: Floats, step: Floats) -> Floats:
+    """Central difference; one-sided where the other side lies beyond a kink, zero where both do."""
+    value = (high - low) / (2.0 * step)
+    value = np.where(np.isnan(low), (high - here) / step, value)
+    value = np.where(np.isnan(high), (here - low) / step, value)
+    return np.nan_to_num(value)

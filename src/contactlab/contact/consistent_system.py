@@ -30,15 +30,7 @@ class ConsistentContactSystem(ContactSystem):
         known, self.ends = with_ends(self.factorable), None
         if enforcement.factored and len(known) == len(self.factorable):
             self.ends = ModelGradients(known, len(state["displacement"]))
-        # conditions that all join closest points can be given by columns
-        closest = self.enforcement.factored and all(
-            isinstance(pair, OperatorPair)
-            and pair.algorithm.closest_points
-            and pair.friction is None
-            and not pair.pushes_overlaps_out
-            for pair in self.passes
-        )
-        columns = FactoredRows.allocate(len(self.rows.gap), 8 * len(self.rows.gap)) if closest else None
+        columns = FactoredRows.allocate(len(self.rows.gap), 8 * len(self.rows.gap)) if _closest(self) else None
         self.columns, self.offset = columns, np.zeros(len(self.rows.gap))
         self.factored = self.ends.rows.factors if self.ends is not None else columns
         # finished conditions have weights that are the derivatives of their gaps already
@@ -131,3 +123,14 @@ class ConsistentContactSystem(ContactSystem):
         allow_motion(
             first, rows.count, rows.packed.address, current, predicted, self.velocity, self.state.last_dt, strict
         )
+
+
+def _closest(system: ContactSystem) -> bool:
+    """Whether all conditions join closest points, and can be given by columns."""
+    return system.enforcement.factored and all(
+        isinstance(pair, OperatorPair)
+        and pair.algorithm.closest_points
+        and pair.friction is None
+        and not pair.pushes_overlaps_out
+        for pair in system.passes
+    )

@@ -47,12 +47,7 @@ class DerivativesOfPieces:
         pair = self.pair
         if len(self.high.slave) < len(pair.pieces.slave):
             self.high, self.low = self._spare(), self._spare()
-        # Two views with positions and memory of their own, one for each side of a difference. They stay the same
-        # objects for all differences of a call, so that an algorithm binds its arrays to them once.
-        seen = self.pair.seen(memory)
-        self.shown = tuple(
-            seen._replace(at=SurfacePositions(*(x.copy() for x in seen.at)), memory=memory.copy()) for _ in range(2)
-        )
+        self._look(memory)
         owners = self._owners(memory)
         # every piece depends on at most so many coordinates; unmatched pieces stand twice
         width = 2 * sum(_period(nodes[: pair.count]) for nodes in (pair.pieces.slave, pair.pieces.master))
@@ -70,18 +65,22 @@ class DerivativesOfPieces:
         slave = (np.arange(pair.slots, dtype=np.int32) % m)[:, None]
         first, last = np.full(pair.slots, np.iinfo(np.int32).max, np.int32), np.full(pair.slots, -1, np.int32)
         if self.follows_master is None:
-            # whether normals change with the master's positions
-            shake = np.random.default_rng(1).uniform(-STEP, STEP, pair.at.master.shape) * pair.size
-            self.shown[0].at.master[:] += shake
-            self._evaluate(0, memory)
-            self.shown[0].at.master[:] = pair.at.master
-            self._evaluate(1, memory)
-            self.follows_master = not np.array_equal(self.high.normal, self.low.normal)
+            self.follows_master = self._probe(memory)
         if self.follows_master:
             multiplier, nodes = pair.pieces.multiplier[: pair.count], pair.pieces.master[: pair.count]
             np.minimum.at(first, multiplier, nodes.min(axis=1, keepdims=True))
             np.maximum.at(last, multiplier, nodes.max(axis=1, keepdims=True))
         return slave, np.stack([np.minimum(first, last), last], axis=1)
+
+    def _probe(self, memory: Floats) -> bool:
+        """Whether normals change with the master's positions."""
+        pair = self.pair
+        shake = np.random.default_rng(1).uniform(-STEP, STEP, pair.at.master.shape) * pair.size
+        self.shown[0].at.master[:] += shake
+        self._evaluate(0, memory)
+        self.shown[0].at.master[:] = pair.at.master
+        self._evaluate(1, memory)
+        return not np.array_equal(self.high.normal, self.low.normal)
 
     def _side(self, side: int, owners: Ints, memory: Floats) -> None:
         pair, out = self.pair, self.out
@@ -103,6 +102,16 @@ class DerivativesOfPieces:
                 out.normal_count = kernels.normal_differences(
                     self.high.normal, pair.pieces.normal, self.low.normal, owners, move, out.normal_count, normals
                 )
+
+    def _look(self, memory: Floats) -> None:
+        """Two views with positions and memory of their own, one for each side of a difference.
+
+        They stay the same objects for all differences of a call, so that an algorithm binds its arrays to them once.
+        """
+        seen = self.pair.seen(memory)
+        self.shown = tuple(
+            seen._replace(at=SurfacePositions(*(x.copy() for x in seen.at)), memory=memory.copy()) for _ in range(2)
+        )
 
     def _moved(self, which: int, side: int, chosen: Flags, direction: int, step: float, memory: Floats) -> int:
         """Pieces with some nodes moved, into `high` or `low`; the positions are as before then."""

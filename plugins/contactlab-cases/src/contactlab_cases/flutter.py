@@ -65,13 +65,7 @@ def flutter(block: Block, mu: float, fraction: float = 0.9) -> Flutter:
     free = np.setdiff1d(np.arange(len(mass)), 2 * lower + 1)
     root = np.sqrt(mass[free])
     squares, left, right = eig(sliding[np.ix_(free, free)] / np.outer(root, root), left=True)
-    # three rigid motions (2 n, 3), orthonormal in the masses, times the roots of the masses
-    x, y = places.T
-    motions = np.zeros((len(mass), 3))
-    motions[0::2, 0] = motions[1::2, 1] = 1.0
-    motions[0::2, 2], motions[1::2, 2] = -y, x
-    motion = np.asarray(np.linalg.qr(np.sqrt(mass)[:, None] * motions)[0])
-    rigid = motion[free]
+    rigid = _rigid_motions(mass, places)[free]
     share = np.sum((rigid.T @ left).conj() * (rigid.T @ right), axis=0) / np.sum(left.conj() * right, axis=0)
     frequency = np.sqrt(squares.astype(complex))
     highest = np.abs(frequency).max()
@@ -120,3 +114,12 @@ def _cell(block: Block, wide: float, high: float) -> Floats:
             strain = STRAINS @ gradient
             total += strain.T @ law @ strain * (wide * high / 4.0)
     return total
+
+
+def _rigid_motions(mass: Floats, places: Floats) -> Floats:
+    """Three rigid motions (2 n, 3), orthonormal in the masses, times the roots of the masses."""
+    x, y = places.T
+    motions = np.zeros((len(mass), 3))
+    motions[0::2, 0] = motions[1::2, 1] = 1.0
+    motions[0::2, 2], motions[1::2, 2] = -y, x
+    return np.asarray(np.linalg.qr(np.sqrt(mass)[:, None] * motions)[0])

@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from contactlab.api import Answer, Case, Job, Measure, Record, Setup
+from contactlab.api import Answer, Case, Floats, Job, Measure, Record, Setup
 from contactlab.api.case import reported, within
 from contactlab_cases.circles import only
 from contactlab_cases.statics import iterations
@@ -99,14 +99,7 @@ class Ironing(Case):
         if not record.finished:
             return found
         size = 0.2 / (self.refined * setup.level)
-        # the largest distance of the force from its mean over two segments, as a fraction of it, away from the ends
-        even = np.linspace(along[0], along[-1], 4 * len(along))
-        values = np.interp(even, along, down)
-        window = max(3, round(2.0 * size / float(even[1] - even[0])))
-        smooth = np.convolve(values, np.full(window, 1.0 / window), mode="same")
-        inside = (even > along[0] + 2.0 * size) & (even < along[-1] - 2.0 * size)
-        saw = float(np.abs(values - smooth)[inside].max() / np.abs(smooth[inside]).mean())
-        found |= {"vertical at the end": float(down[-1]), "saw of the force": saw}
+        found |= {"vertical at the end": float(down[-1]), "saw of the force": _saw(along, down, size)}
         if self.slide >= 5.0:
             vertical, horizontal = (float(np.interp(5.0, along, force)) for force in (down, side))
             found |= {"vertical half-way": vertical, "horizontal half-way": horizontal}
@@ -120,3 +113,13 @@ SIX = Answer(300.0, "other-code", 0.12, "six codes, as collected by solids4foam"
 def _wider(name: str, slack: float) -> tuple[float, float]:
     least, most = PUBLISHED[name]
     return (1.0 - slack) * least, (1.0 + slack) * most
+
+
+def _saw(along: Floats, force: Floats, size: float) -> float:
+    """Largest distance of the force from its mean over two segments, as a fraction of it, away from the ends."""
+    even = np.linspace(along[0], along[-1], 4 * len(along))
+    values = np.interp(even, along, force)
+    window = max(3, round(2.0 * size / float(even[1] - even[0])))
+    smooth = np.convolve(values, np.full(window, 1.0 / window), mode="same")
+    inside = (even > along[0] + 2.0 * size) & (even < along[-1] - 2.0 * size)
+    return float(np.abs(values - smooth)[inside].max() / np.abs(smooth[inside]).mean())

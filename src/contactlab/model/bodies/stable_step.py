@@ -23,27 +23,33 @@ class StableStep:
         inverse_size_squared(positions, self.body.cells, self.before)
         self.cell, self.latest = 0, float("inf")
 
+    def _refresh(self, positions: Floats, growth: Floats) -> None:
+        """Compute frequencies anew for the cells whose size has drifted."""
+        drifted = np.flatnonzero((growth > DRIFT) | (growth < 1.0 / DRIFT)).astype(np.int32)
+        if len(drifted):
+            self.frequency[drifted] = cell_frequencies(self.body, positions, drifted)
+            self.before[drifted] = self.size[drifted]
+            growth[drifted] = 1.0
+
     def limit(self, positions: Floats) -> float:
         """Largest stable step [s] at `positions` (N, 2)."""
         if not self.moving:
             return self._found(self.frequency**2)
         inverse_size_squared(positions, self.body.cells, self.size)
         growth = self.size / self.before
-        # frequencies anew for the cells whose size has drifted
-        drifted = np.flatnonzero((growth > DRIFT) | (growth < 1.0 / DRIFT)).astype(np.int32)
-        if len(drifted):
-            self.frequency[drifted] = cell_frequencies(self.body, positions, drifted)
-            self.before[drifted] = self.size[drifted]
-            growth[drifted] = 1.0
-        factors = []
-        for block in self.forces.current():
-            out = np.empty(block.stress.shape[1])
-            self.body.material.stiffening(block.gradient, block.stress, out)
-            factors.append(out.reshape(self.body.points, -1).max(axis=0))
-        return self._found(self.frequency**2 * growth * np.concatenate(factors))
+        self._refresh(positions, growth)
+        return self._found(self.frequency**2 * growth * self._stiffening())
 
     def _found(self, squares: Floats) -> float:
         """The limit of squared frequencies (n,); `latest` and `cell` tell it and its place afterwards."""
         self.cell = int(np.argmax(squares))
         self.latest = float(2.0 / np.sqrt(squares[self.cell]))
         return self.latest
+
+    def _stiffening(self) -> Floats:
+        factors = []
+        for block in self.forces.current():
+            out = np.empty(block.stress.shape[1])
+            self.body.material.stiffening(block.gradient, block.stress, out)
+            factors.append(out.reshape(self.body.points, -1).max(axis=0))
+        return np.concatenate(factors)

@@ -44,16 +44,20 @@ def adjusted_bodies(
         return bodies
     positions = positions_of(bodies, rigid)
     for plan in asked:
-        # in a gap that is wider than the model nothing could stay open
-        size = float(np.hypot(*np.ptp(positions, axis=0)))
-        if plan.start.gap > size:
-            raise SceneError(
-                "the gap to be closed is wider than the model",
-                where=below(below(plan.where, "start"), "gap"), got=plan.start.gap, allowed=f"up to {size:.4g} mm",
-            )  # fmt: skip
+        _check_reach(plan, positions)
         check_overlap(plan.slave, plan.master, bodies, positions, True, plan.where)
         _adjust(plan, positions)
     return tuple(moved_body(body, positions, asked[0].where) for body in bodies)
+
+
+def _check_reach(plan: Any, positions: Floats) -> None:
+    """Raise SceneError for a gap that is wider than the model: nothing in it could stay open."""
+    size = float(np.hypot(*np.ptp(positions, axis=0)))
+    if plan.start.gap > size:
+        raise SceneError(
+            "the gap to be closed is wider than the model",
+            where=below(below(plan.where, "start"), "gap"), got=plan.start.gap, allowed=f"up to {size:.4g} mm",
+        )  # fmt: skip
 
 
 def _adjust(plan: Any, positions: Floats) -> None:
@@ -116,16 +120,19 @@ def refuse_overlap(plan: Any, pair: Any, bodies: tuple[Body, ...], positions: Fl
         if depth[worst] > slack:
             if pair.by_energy or not _curves_fit(pair, positions):
                 raise overlap_error(float(depth[worst]), points[worst], inside, False, plan.where)
-            # part (k,) [mm] of the gaps that facets of fitting curves cause: gaps less the clearance of the curves
-            slave, master = pair.slave, pair.master
-            clearance = distances_to_curve(positions[slave.nodes], master, positions, positions)
-            clearance[clearance < _uncertain(pair, master, positions)] = 0.0
-            most = sum(float(facet_depths(side, positions).max()) for side in (slave, master))
-            gaps = start_distances(pair, positions)
-            by_facets = np.clip(gaps - np.tile(clearance, pair.rows_per_node), -most, most)
-            made = np.where(gaps < FAR, by_facets, 0.0)
-            pair.start_gaps = FittedFacets(made)
+            pair.start_gaps = FittedFacets(_made_by_facets(pair, positions))
             return
+
+
+def _made_by_facets(pair: ContactPair, positions: Floats) -> Floats:
+    """What facets make of the distances (k,) [mm] between fitting curves, whose clearance is known at the nodes."""
+    slave, master = pair.slave, pair.master
+    clearance = distances_to_curve(positions[slave.nodes], master, positions, positions)
+    clearance[clearance < _uncertain(pair, master, positions)] = 0.0
+    most = sum(float(facet_depths(side, positions).max()) for side in (slave, master))
+    gaps = start_distances(pair, positions)
+    made = np.clip(gaps - np.tile(clearance, pair.rows_per_node), -most, most)
+    return np.where(gaps < FAR, made, 0.0)
 
 
 def _curves_fit(pair: ContactPair, positions: Floats) -> bool:

@@ -33,16 +33,10 @@ def check_supported(scene: Scene, bodies: tuple[Body, ...], supports: SupportPla
         return
     for body in bodies:
         free = free_motions(body, supports)
-        # bodies and rigid surfaces that share a contact with this one
-        found: set[str] = set()
-        for contact in scene.contacts:
-            slave, master = ({target.partition(".")[0] for target in side} for side in contact.targets)
-            found |= master if body.name in slave else slave if body.name in master else set()
-        neighbours = found - {body.name}
+        neighbours = _neighbours(scene, body.name)
         pushed = bool(scene.effects) or any(load.on.partition(".")[0] == body.name for load in scene.loads)
         if len(free) == 3 and len(neighbours) < 2 and not (pushed and (neighbours or scene.effects)):
-            told = f", and {next(iter(neighbours))} alone touches it" if neighbours else " and nothing touches it"
-            raise _adrift(scene, body, free, f"no support holds this body{told}")
+            raise _adrift(scene, body, free, "no support holds this body" + _touched(neighbours))
         if not integrator.inertia and free and not neighbours and not scene.effects:
             raise _adrift(scene, body, free, "the supports leave this body free to move")
 
@@ -119,6 +113,19 @@ def _rigid_modes(body: Body) -> Floats:
     modes[:, 0, 0], modes[:, 1, 1] = 1.0, 1.0
     modes[:, 0, 2], modes[:, 1, 2] = -arm[:, 1], arm[:, 0]
     return modes.reshape(-1, 3)
+
+
+def _neighbours(scene: Scene, name: str) -> set[str]:
+    """Bodies and rigid surfaces that share a contact with this one."""
+    found: set[str] = set()
+    for contact in scene.contacts:
+        slave, master = ({target.partition(".")[0] for target in side} for side in contact.targets)
+        found |= master if name in slave else slave if name in master else set()
+    return found - {name}
+
+
+def _touched(neighbours: set[str]) -> str:
+    return f", and {next(iter(neighbours))} alone touches it" if neighbours else " and nothing touches it"
 
 
 def _adrift(scene: Scene, body: Body, free: list[str], problem: str) -> SceneError:

@@ -53,23 +53,12 @@ def build_rigid(scene: Scene, bodies: tuple[Body, ...]) -> tuple[RigidSurface, .
     first = sum(body.count for body in bodies)
     surfaces: list[RigidSurface] = []
     for name, spec in scene.rigid.items():
-        # edge sets that have this surface as their master
-        facing = []
-        for number, contact in enumerate(scene.contacts):
-            slaves, masters = contact.targets
-            if name in masters:
-                at = scene.where(f"contacts.{number}.slave")
-                facing += [edge_set(bodies, slave, at)[1] for slave in slaves]
+        facing = _facing(scene, bodies, name)
         longest = max((_longest(edges, bodies) for edges in facing), default=math.inf)
         segment = spec.segment if spec.segment is not None else longest
         width = facing[0].shape[1] if facing else 2
         where = scene.where(f"rigid.{name}" + (".segment" if spec.segment is not None else ""))
-        length = (
-            float(abs(np.subtract(*np.radians(spec.arc.angles))) * spec.arc.radius)
-            if spec.arc is not None
-            else float(np.hypot(*np.diff(np.array(spec.line), axis=0).T).sum())
-        )
-        check_rigid_size(length / segment, where, segment)
+        check_rigid_size(_length(spec) / segment, where, segment)
         if spec.line is not None:
             _refuse_crossing(np.array(spec.line), scene.where(f"rigid.{name}.line"))
         points, closed = _chain(spec, segment, width - 1)
@@ -91,11 +80,29 @@ def _refuse_crossing(points: Floats, where: Where) -> None:
         )
 
 
+def _facing(scene: Scene, bodies: tuple[Body, ...], name: str) -> list[Ints]:
+    """Edge sets that have this surface as their master."""
+    found = []
+    for number, contact in enumerate(scene.contacts):
+        slaves, masters = contact.targets
+        if name in masters:
+            where = scene.where(f"contacts.{number}.slave")
+            found += [edge_set(bodies, slave, where)[1] for slave in slaves]
+    return found
+
+
 def _longest(edges: Ints, bodies: tuple[Body, ...]) -> float:
     """Longest segment [mm] of an edge set; a quadratic edge is two segments."""
     nodes = np.concatenate([body.mesh.nodes for body in bodies])
     chord = nodes[edges[:, 1]] - nodes[edges[:, 0]]
     return float(np.hypot(chord[:, 0], chord[:, 1]).max() / (edges.shape[1] - 1))
+
+
+def _length(spec: Rigid) -> float:
+    """Length of a rigid surface [mm]."""
+    if spec.arc is not None:
+        return float(abs(np.subtract(*np.radians(spec.arc.angles))) * spec.arc.radius)
+    return float(np.hypot(*np.diff(np.array(spec.line), axis=0).T).sum())
 
 
 def _chain(spec: Rigid, segment: float, multiple: int) -> tuple[Floats, bool]:
