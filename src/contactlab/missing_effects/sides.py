@@ -69,18 +69,19 @@ class WrongSide:
             return
         nodes = np.asarray(slots % len(pair.slave.nodes), np.int32)
         slave, master = position[pair.slave.nodes], position[pair.master.nodes]
-        at = slave[np.unique(nodes)]
+        single, again = np.unique(nodes, return_inverse=True)
+        at = slave[single]
         own, other = pair.slave.lengths(slave), pair.master.lengths(master)
-        faced, _ = nearest_segments(at, pair.master, position)
+        faced, share = nearest_segments(at, pair.master, position)
         ratio = own[nearest_segments(at, pair.slave, position)[0]] / other[faced]
         self.worst[0] = max(self.worst[0], float(np.median(ratio)))
-        self._add_leans(forces[slots], shear[slots], pair.normals[slots], nodes, slave, master)
+        self._add_leans(forces[slots], shear[slots], pair.normals[slots], nodes, (faced[again], share[again]))
 
     def _add_leans(
-        self, forces: Floats, shear: Floats, normals: Floats, nodes: Ints, slave: Floats, master: Floats
+        self, forces: Floats, shear: Floats, normals: Floats, nodes: Ints, feet: tuple[Ints, Floats]
     ) -> None:
-        pair = self.pair
-        found, share = nearest_segments(slave[nodes], pair.master, self.model.position)
+        pair, position, (found, share) = self.pair, self.model.position, feet
+        slave, master = position[pair.slave.nodes], position[pair.master.nodes]
         turns = _turns(slave, pair.slave)[nodes], _turns(master, pair.master)[pair.master.segments[found]].max(axis=1)
         rough = [float(forces @ turn) for turn in turns]
         own = -_nodal_normals(slave, pair.slave)[nodes]
