@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from contactlab.api import Conditions, Floats, Iteration, Surface
+from contactlab.api import Conditions, Floats, Iteration, StepStatus, Surface
 from contactlab.api.frame import SLIP, STICK
-from contactlab.model.loading.held_bodies import MOTIONS, free_motions, loose_motions
+from contactlab.model.loading.held_bodies import MOTIONS, free_motions, hold, loose_motions
 
 if TYPE_CHECKING:
     from contactlab.contact.implicit_system import ImplicitContactSystem
@@ -29,12 +29,12 @@ TIPPED = 0.02  # of the length of a contact: a resultant so near to its end has 
 
 
 def cause_of_failure(model: Model, scene: Scene, trace: Sequence[Iteration], dt: float) -> str:
-    """The likely cause at the last accepted state, with its place and advice; empty if none is found.
+    """The likely cause at the last accepted state, with its place and advice; general advice if none is found.
 
     trace  iterations of the last attempt; dt  its length [s]
     """
     if model.contact is None:
-        return _unstable(model, dt)
+        return _unstable(model, dt) or StepStatus.gave_up.value
     changed = _changes(model, trace)
     return (
         _friction_used_up(model, scene)
@@ -43,6 +43,28 @@ def cause_of_failure(model: Model, scene: Scene, trace: Sequence[Iteration], dt:
         or _unstable(model, dt)
         or _cycling(model, scene, changed)
         or _at_a_corner(model, scene, _closed(model))
+        or "no equilibrium found; try the other side as slave (swap), another algorithm, or shorter steps"
+    )
+
+
+def nothing_holds(model: Model) -> str:
+    """Say what nothing holds in statics, or friction that nothing presses yet, and what would; empty if all is held."""
+    if model.integrator.inertia:
+        return ""
+    model = cast("ImplicitModel", model)
+    if not (loose := loose_motions(model)):
+        return ""
+    if not (never := loose_motions(model, pressed=False)):
+        told = [f"{body} against {' or '.join(motions)}" for body, motions in loose.items()]
+        return (
+            f"friction alone is to hold {', and '.join(told)}, and it cannot from the start: the load drives more "
+            "than it presses; try more friction, pressure before the push, or a support"
+        )
+    told = [f"{body} against {' or '.join(motions)}" for body, motions in never.items()]
+    holds = [hold(body, motions) for body, motions in never.items()]
+    return (
+        f"nothing holds {', nor '.join(told)}; {holds[0]}; or let it begin in touch with what is to hold it; what "
+        "moves freely needs inertia (implicit-dynamics)"
     )
 
 

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from contactlab.api import WORK, Floats, ImplicitIntegrator, RunWarning, Step, StepStatus
+from contactlab.api import Floats, ImplicitIntegrator, RunWarning, Step
 from contactlab.errors import SceneError, SimulationFailure
-from contactlab.model.loading.held_bodies import hold, loose_motions
 from contactlab.model.timing import A_PERIOD
 from contactlab.run.controlled_step import next_stop, within
 from contactlab.run.load_path import LoadPath, TimePath, corners
 from contactlab.run.schedule import SHORTEST_CONTROLLED, Schedule
+from contactlab.run.stabilised_steps import CUTS, JUMP, StabilisedSteps
 from contactlab.run.swings import Swing, frame_warnings, step_warnings
 
 if TYPE_CHECKING:
@@ -31,12 +31,7 @@ LONGEST = 0.999  # of the loading in one step that follows its error: the whole 
 MOST = 1e6  # steps of a run: more is a step that was meant for an explicit one
 SAME = 1e-6  # relative: residuals of two attempts that differ by less are the same
 EACH_WAY = 2.0  # times the steps of a load, for each way of one that goes to and fro: friction work is right to 2 %
-JUMP = 0.25  # of the wished step: a stabilised one, so that what jumps does so under about the load that it jumps at
-STABILISED = 1  # times that a stabilised step is cut before the run is given up
-MUCH = 0.05  # of what friction and plastic flow dissipate: more of it in stabilised steps is warned of
-LITTLE = 0.01  # of the work: what dissipates less hardly changes the answer
 AGAIN = 0.6  # of the wished step: below it a step is stabilised where an earlier one had to be
-PLAIN = 4  # a plain trial follows the first stabilised step in a row and every fourth: most others would fail
 TURNED = 0.1  # of a step, the first one after a turn: what reverses in it has no work, in a stiff pad all friction
 HELD = 100  # steps of the longest hold: some periods, over which it is judged, are then a part of it
 NUMBER = re.compile(r"[\d.]+(e[+-]?\d+)?")
@@ -78,9 +73,7 @@ class LoadSchedule(Schedule):
         flows = any(body.material.history_size for body in self.model.bodies)
         self.cut_to, self.grow = FLOWING if flows else (CUT, GROW)
         self.failed: Step | None = None  # the last attempt, where it failed
-        self.given_up: SimulationFailure | None = None  # what the run would have ended in, while a step is stabilised
-        self.stabilised = self.in_a_row = 0  # steps, and how many of them without a plain one between
-        self.dissipated, self.jumped = 0.0, 0.0  # [mJ] before a stabilised step, and in all of them
+        self.stabilised = StabilisedSteps(cast("ImplicitModel", self.model))
         self.contact_times: ContactTimes | None = None
         if integrator.inertia and self.model.contact is not None:
             from contactlab.run.contact_times import ContactTimes
@@ -159,17 +152,14 @@ class LoadSchedule(Schedule):
 
     def _took(self, step: Step, dt: float) -> None:
         """Follow an accepted step: longer again where it was easy."""
-        self.failed = None
-        if self.given_up is None:
-            self.in_a_row = 0
+        self.failed, jumped = None, self.stabilised.replaces is not None
         if self.contact_times is not None:
             self.contact_times.follow(step, dt)
         if self.friction_error is not None:
-            self.friction_error.follow(jumped=self.given_up is not None)
-        if self.given_up is not None:
-            self.stabilised, self.in_a_row = self.stabilised + 1, self.in_a_row + 1
-            self.jumped += self._dissipation() - self.dissipated
-            self._stabilise(self.given_up if self.in_a_row > 1 and self.in_a_row % PLAIN else None)
+            self.friction_error.follow(jumped)
+        self.stabilised.follow()
+        if jumped:
+            self._begin_anew()
         elif self.skips:
             self.model.way_followed = False
         elif self.control is not None:
@@ -201,21 +191,25 @@ class LoadSchedule(Schedule):
             self.part = self.wished
         else:
             self.part = self.cut_to * min(self.part, self.path.fraction(time + tried) - self.path.fraction(time))
-        if self.given_up is not None:
-            if self.part < JUMP * self.cut_to**STABILISED * self.wished:
-                if not self.in_a_row:
-                    raise SimulationFailure("not-converged", f"{self.given_up.reason}; {step.reason}")
-                self.in_a_row = 0
-                self._stabilise(None)
+        if (plain := self.stabilised.replaces) is not None:
+            if self.part < JUMP * self.cut_to**CUTS * self.wished:
+                if not self.stabilised.plain_instead():
+                    raise SimulationFailure("not-converged", f"{plain.reason}; {step.reason}")
+                self._begin_anew()
                 return f"a stabilised step of {tried:.6g} from time {time:.6g} failed; a plain one is tried"
         elif how := self._in_vain(step):
             failure = self._failure(tried, step, how)
             if not cast(ImplicitIntegrator, self.model.integrator).stabilises():
                 raise failure
-            self._stabilise(failure)
+            self.stabilised.choose(failure)
+            self._begin_anew()
             return f"{failure.reason}; a stabilised step of {self.dt:.6g} is tried"
         self.failed, self.dt = step, self._length()
-        loose = f"; {self._loose().partition(';')[0]}".rstrip("; ") if before is None else ""
+        loose = ""
+        if before is None:
+            from contactlab.run.failure_cause import nothing_holds
+
+            loose = f"; {nothing_holds(self.model).partition(';')[0]}".rstrip("; ")
         return (
             f"a step of {tried:.6g} from time {time:.6g} was taken back after {step.iterations} iterations: "
             f"{step.reason}{loose}; {self.dt:.6g} is tried"
@@ -225,53 +219,26 @@ class LoadSchedule(Schedule):
         """How a step failed that no shorter one can replace; empty while there is hope."""
         if self.failed is not None and repeats(self.failed, step):
             return "as the longer one before it, iteration by iteration"
-        shortest = AGAIN if self.stabilised else SHORTEST
+        shortest = AGAIN if self.stabilised.count else SHORTEST
         if self.part < shortest * self.wished:
             return f"1/{self.cut_to * self.wished / self.part:.0f} of the wished one"
         return ""
 
-    def _stabilise(self, failure: SimulationFailure | None) -> None:
-        """Let the next step be stabilised in place of a `failure`, or let steps be plain and long again."""
-        self.given_up, self.part, self.failed = failure, self.wished * (JUMP if failure is not None else 1.0), None
-        cast("ImplicitModel", self.model).stabilised = failure is not None
-        self.dissipated = self._dissipation()
+    def _begin_anew(self) -> None:
+        """Let steps be as long as wished again, or as stabilised ones are."""
+        jumps = self.stabilised.replaces is not None
+        self.part, self.failed = self.wished * (JUMP if jumps else 1.0), None
         self.dt = self._length()
 
     def _failure(self, tried: float, step: Step, how: str) -> SimulationFailure:
         """Say how far the load went, why it went no further and where, and what to try."""
-        from contactlab.run.failure_cause import cause_of_failure
+        from contactlab.run.failure_cause import cause_of_failure, nothing_holds
 
         of = "time" if self.model.integrator.inertia else "load"
         done = f"stopped at {100.0 * self.share(self.state.time):.4g} % of the {of}, after step {self.state.step}"
-        why = self._loose() or cause_of_failure(self.model, self.scene, step.trace, tried) or self._advice()
+        why = nothing_holds(self.model) or cause_of_failure(self.model, self.scene, step.trace, tried)
         attempt = f"a step of {tried:.3g} from time {self.state.time:.6g} failed, {how}: {step.reason}"
         return SimulationFailure("not-converged", f"{done}, {why} ({attempt})")
-
-    def _loose(self) -> str:
-        """Say what nothing holds in statics, or friction that nothing presses yet, and what would."""
-        if self.model.integrator.inertia:
-            return ""
-        model = cast("ImplicitModel", self.model)
-        if not (loose := loose_motions(model)):
-            return ""
-        if not (never := loose_motions(model, pressed=False)):
-            told = [f"{body} against {' or '.join(motions)}" for body, motions in loose.items()]
-            return (
-                f"friction alone is to hold {', and '.join(told)}, and it cannot from the start: the load drives more "
-                "than it presses; try more friction, pressure before the push, or a support"
-            )
-        told = [f"{body} against {' or '.join(motions)}" for body, motions in never.items()]
-        holds = [hold(body, motions) for body, motions in never.items()]
-        return (
-            f"nothing holds {', nor '.join(told)}; {holds[0]}; or let it begin in touch with what is to hold it; what "
-            "moves freely needs inertia (implicit-dynamics)"
-        )
-
-    def _advice(self) -> str:
-        """Say what to try if no cause was found."""
-        if self.model.contact is not None:
-            return "no equilibrium found; try the other side as slave (swap), another algorithm, or shorter steps"
-        return StepStatus.gave_up.value
 
     def share(self, time: float) -> float:
         """How much of the loading is done at a time [s], 0 to 1; where the end is open, of its ramp."""
@@ -330,17 +297,8 @@ class LoadSchedule(Schedule):
         return super()._over(np.inf) if self.timing.until_settled else False
 
     def stabilisation(self) -> dict[str, float]:
-        """Stabilised steps, the work [mJ] of their viscous forces, and its share of all work; empty without any."""
-        if not self.stabilised:
-            return {}
-        work = self.state["work"]
-        took, largest = float(work[WORK.index("numerical")]), float(np.abs(work).max())
-        return {"steps": self.stabilised, "work": took, "share": took / max(largest, 1e-300)}
-
-    def _dissipation(self) -> float:
-        """Work [mJ] that friction and plastic flow have taken so far: what of an end in balance depends on the way."""
-        flow = sum(forces.dissipated_energy() for forces in self.model.forces)
-        return float(self.state["work"][WORK.index("slip")]) + flow
+        """Stabilised steps and what they took, as for the summary."""
+        return self.stabilised.summary()
 
     def verdict(self) -> None:
         """As every run's; warns of what depends on the way of jumps, and on steps that are long or few beside it."""
@@ -350,24 +308,13 @@ class LoadSchedule(Schedule):
             self.model.warnings.add(*self.friction_error.warnings(key, self.fixed or 1.0 / self.wished))
         if self.contact_times is not None:
             self.model.warnings.add(*self.contact_times.warnings(key))
-        total = self._dissipation()
-        little = total <= LITTLE * float(np.abs(self.state["work"]).max())
-        if not (little or self.model.integrator.inertia):
+        if not (self.stabilised.dissipates_little() or self.model.integrator.inertia):
             self.model.warnings.add(*self._few_steps())
-        if self.stabilised and self.jumped > MUCH * total and not little:
-            self.model.warnings.add(RunWarning(
-                "stabilised", self.jumped / total, MUCH, "integrator.steps",
-                f"{self.jumped / total:.1%} of what friction and plastic flow dissipate fell in {self.stabilised} "
-                f"stabilised load steps (limit {MUCH:.0%}): bodies jumped there, along a way that viscous forces gave "
-                "them, and what depends on it is not exact; take more integrator.steps, or implicit-dynamics, which "
-                "follows the jump",
-            ))  # fmt: skip
+        self.model.warnings.add(*self.stabilised.warnings())
 
     def saved(self) -> dict[str, Floats]:
         """Everything that changes while the run goes on."""
-        numbers = self.part, self.model.way_followed, self.stabilised, self.jumped
-        jumps = self.in_a_row, self.given_up is not None, self.dissipated
-        own = {"schedule.load": np.array([*numbers, *jumps])}
+        own = {"schedule.load": np.array([self.part, self.model.way_followed, *self.stabilised.saved()])}
         if (contact := self._contact()) is not None:
             own["schedule.freedom"] = np.append(contact.freedom, contact.pace)
         if self.friction_error is not None:
@@ -380,14 +327,9 @@ class LoadSchedule(Schedule):
     def restore(self, memory: Mapping[str, Floats]) -> None:
         """Go back to where `memory` was saved."""
         super().restore(memory)
-        self.part, followed, stabilised, self.jumped, *jumps = memory["schedule.load"].tolist()
-        self.model.way_followed, self.stabilised = bool(followed), int(stabilised)
-        if jumps:  # files of earlier versions have none
-            in_a_row, given_up, self.dissipated = jumps
-            self.in_a_row = int(in_a_row)
-            # a stabilised step that fails in a row is tried plainly: this reason is never told
-            self.given_up = SimulationFailure("not-converged", "stabilised before") if given_up else None
-            cast("ImplicitModel", self.model).stabilised = self.given_up is not None
+        load = memory["schedule.load"]
+        self.part, self.model.way_followed = float(load[0]), bool(load[1])
+        self.stabilised.restore(load[2:])
         if (contact := self._contact()) is not None:
             contact.freedom[:], contact.pace = memory["schedule.freedom"][:-1], float(memory["schedule.freedom"][-1])
         if self.friction_error is not None:
