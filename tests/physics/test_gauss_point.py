@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from contactlab.kernels.contact.factored_rows import FAR
+from contactlab.kernels.contact.pair import FAR
 from contactlab.model.build import build
 from contactlab.parts.registry import default_registry
 from contactlab.results.results import Results

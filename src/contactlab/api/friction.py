@@ -6,6 +6,10 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Any, ClassVar, Literal, NamedTuple
 
+import numpy as np
+
+from contactlab.api.arrays import Floats
+
 FrictionNeed = Literal["pressure", "slip_rate", "dt", "time", "position", "cell_size"]
 """Names that a friction law may need beside fields of the scene, see `FrictionLaw`."""
 
@@ -23,6 +27,17 @@ class FrictionBound(NamedTuple):
     coefficient: Any
     adhesion: Any
     cap: Any
+
+    def limits(self, normal: Floats, measure: Floats) -> tuple[Floats, Floats]:
+        """Largest |y_t| (k,) [N] of conditions under normal forces (k,) [N], and its derivatives as these grow.
+
+        measure  (k,) [mm] of surface that each stands for
+        """
+        pressed, grip, capped = np.maximum(normal, 0.0), self.adhesion * measure, np.isfinite(self.cap)
+        cap = np.where(capped, self.cap, 0.0)
+        follows = capped & (cap * pressed < grip)
+        growth = self.coefficient + np.where(follows, cap, 0.0)
+        return self.coefficient * pressed + np.where(follows, cap * pressed, grip), growth
 
 
 class FrictionLaw(ABC):

@@ -8,7 +8,7 @@ import numpy as np
 
 from contactlab.api import Floats
 from contactlab.contact.pair import ContactSnapshot, turned
-from contactlab.kernels.contact.factored_rows import FAR
+from contactlab.kernels.contact.pair import FAR
 
 if TYPE_CHECKING:
     from contactlab.contact.corner_pair import CornerPair

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, ClassVar, cast
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, cast
 
 import numpy as np
 
@@ -32,6 +32,8 @@ class ContactSystem:
     `compliance` is that of the last solve: displacement (N, 2) [mm/N] per contact force within its step.
     `passes` are all pairs, `pairs` those that reports show (see `ContactPair.second`).
     `split` sums the work by what it comes from, where the scene asks for it.
+    `reduced` are rows before the couplings T of their multipliers are inverted, tried in this order before `rows`;
+    `factored` are those that the last step began with.
     """
 
     consistent: ClassVar[bool] = False
@@ -44,12 +46,10 @@ class ContactSystem:
         self.memories = [state[f"memory.{p.name}"] if f"memory.{p.name}" in state else _EMPTY for p in pairs]
         self.margin = MARGIN * min(pair.size for pair in pairs)
         self.rows = allocate_rows(sum(pair.slots for pair in pairs), 64, self.friction)
-        self.factored: FactoredRows | None = None
-        self.factorable = tuple(pair for pair in pairs if not pair.at_corners)
         points = [cast("CornerPair", pair) for pair in pairs if pair.at_corners]
         self.cornered = [(pair.corners, pair) for pair in points]
-        if enforcement.factored and not self.friction and all(pair.factored for pair in self.factorable):
-            self.factored = FactoredRows.allocate(len(self.rows.gap), 8 * len(self.rows.gap))
+        self.reduced = self._reductions(tuple(pair for pair in pairs if not pair.at_corners))
+        self.factored = self.reduced[0].factors if self.reduced else None
         self.last, self.compliance = Solve(0, 0.0, 0, 0.0), np.zeros_like(state["displacement"])
         self.seconds = self.solution_s = 0.0
         self.split: WorkSplit | None = None
@@ -68,6 +68,12 @@ class ContactSystem:
         self.last = self._solve(predicted, current, compliance, force)
         self.seconds += perf_counter() - began
         return self.last
+
+    def _reductions(self, pairs: tuple[ContactPair, ...]) -> tuple[Reduced, ...]:
+        """Rows of the `pairs` that are tried before those that are written out."""
+        if self.enforcement.factored and not self.friction and all(pair.factored for pair in pairs):
+            return (Columns(pairs, self.enforcement),)
+        return ()
 
     def _update(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> None:
         # normals and weights belong to where the nodes will be: predicted, pushed by the last forces.
@@ -149,26 +155,22 @@ class ContactSystem:
         # extrapolating the normal forces of the last two steps saves a quarter of the sweeps
         extrapolate(self.multipliers[0], self.before)
         where = predicted, current, compliance, force
-        # conditions that are taken at corners, or points there that can close, have no factored rows
-        if any(
+        # conditions that are taken at corners, or points there that can close, have no reduced rows
+        if not any(
             corners.moved or (not points.idle and points.gaps[:, 0].min() <= self.margin)
             for corners, points in self.cornered
         ):
-            if self.factored is not None:
-                self.factored.count = 0
-            return self._solve_full(*where)
-        return self._solve_factored(*where) or self._solve_full(*where)
-
-    def _solve_factored(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve | None:
-        """By rows before their coupling is inverted; None where that cannot be."""
-        if self.factored is None:
-            return None
-        rows, began = self._assemble_factored(current, predicted), perf_counter()
-        done = self.enforcement.solve_factored(rows, compliance, self.multipliers, force)
-        self.solution_s += perf_counter() - began
-        if done is None:
-            rows.count = 0  # these rows are not those that recorders are to see
-        return done
+            self.rows.count = 0
+            for reduced in self.reduced:
+                if reduced.assemble(current, predicted):
+                    self.factored, began = reduced.factors, perf_counter()
+                    done = reduced.solve(compliance, self.multipliers, force)
+                    self.solution_s += perf_counter() - began
+                    if done is not None:
+                        return done
+        if self.factored is not None:
+            self.factored.count = 0  # these rows are not those that recorders are to see
+        return self._solve_full(*where)
 
     def _solve_full(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
         margin, warm = self.margin, self.multipliers.copy()
@@ -182,18 +184,6 @@ class ContactSystem:
                 return done
             margin = np.inf
             self.multipliers[:] = warm
-
-    def _assemble_factored(self, current: Floats, predicted: Floats) -> FactoredRows:
-        assert self.factored is not None
-        self.rows.count = 0
-        while True:
-            self.factored.count = 0
-            for pair in self.factorable:
-                if not pair.append_factored(self.factored):
-                    break
-            else:
-                return self.factored
-            self.factored = FactoredRows.allocate(len(self.factored.gap), int(GROW * len(self.factored.node)) + 64)
 
     def _assemble(self, margin: float, current: Floats, predicted: Floats) -> None:
         while True:
@@ -213,6 +203,40 @@ class ContactSystem:
     def _append(self, number: int, entries: int, margin: float, current: Floats, predicted: Floats) -> int:
         """Append the rows of a pair; returns the next free entry, or -1 without room for them."""
         return self.passes[number].append_rows(self.rows, entries, margin, self.multipliers, current)
+
+
+class Reduced(Protocol):
+    """Rows of a model before the couplings T of their multipliers are inverted."""
+
+    @property
+    def factors(self) -> FactoredRows:
+        """The chains of T, and the gaps."""
+
+    def assemble(self, current: Floats, predicted: Floats) -> bool:
+        """Make the rows for a step between these positions (N, 2); False where there are none."""
+
+    def solve(self, compliance: Floats, multipliers: Floats, force: Floats) -> Solve | None:
+        """Forces of the rows, as `contactlab.api.ExplicitEnforcement.solve`; None where they are not found."""
+
+
+class Columns:
+    """Rows along normals: columns of D and M, and the factors of T."""
+
+    def __init__(self, pairs: Sequence[ContactPair], enforcement: ExplicitEnforcement) -> None:
+        self.pairs, self.enforcement, slots = pairs, enforcement, sum(pair.slots for pair in pairs)
+        self.factors = FactoredRows.allocate(slots, 8 * slots)
+
+    def assemble(self, current: Floats, predicted: Floats) -> bool:
+        """Rows of all pairs as they were last updated."""
+        while True:
+            self.factors.count = 0
+            if all(pair.append_factored(self.factors) for pair in self.pairs):
+                return True
+            self.factors = FactoredRows.allocate(len(self.factors.gap), int(GROW * len(self.factors.node)) + 64)
+
+    def solve(self, compliance: Floats, multipliers: Floats, force: Floats) -> Solve | None:
+        """See `Reduced`."""
+        return self.enforcement.solve_factored(self.factors, compliance, multipliers, force)
 
 
 def slips(rows: Rows, slots: int, compliance: Floats, force: Floats) -> tuple[Floats, Floats]:

@@ -12,7 +12,7 @@ from contactlab.api.compiled.chains import tributary_lengths
 from contactlab.contact.examination import copies, refuse_written
 from contactlab.contact.pair import ContactPair
 from contactlab.errors import WrongAnswer
-from contactlab.kernels.contact.factored_rows import FAR
+from contactlab.kernels.contact.pair import FAR
 from contactlab.kernels.contact.search import take
 
 

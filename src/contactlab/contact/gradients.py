@@ -6,14 +6,25 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from contactlab.api import FactoredGradients, Floats, GapGradients, Ints, Rows
+from contactlab.api import (
+    ExplicitEnforcement,
+    FactoredGradients,
+    FactoredRows,
+    Floats,
+    GapGradients,
+    Ints,
+    Rows,
+    Solve,
+    State,
+)
 from contactlab.api.compiled.bound_arrays import BoundArrays
 from contactlab.contact.differences import DerivativesOfPieces
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair
+from contactlab.contact.start_gaps import FacetOverlap
 from contactlab.kernels.contact import factored_gradients, gap_gradients
 from contactlab.kernels.contact.factored_gradients import EndsTable
-from contactlab.kernels.contact.factored_rows import FAR
+from contactlab.kernels.contact.pair import FAR
 
 GROW = 1.5
 NORMALS = 6  # room for derivatives of normals, for each multiplier
@@ -135,26 +146,40 @@ def with_ends(pairs: Sequence[ContactPair]) -> list[OperatorPair]:
 
 
 class ModelGradients:
-    """The factored rows of a model's pairs, made anew in every step."""
+    """The factored rows of a model's pairs, made anew in every step; `contactlab.contact.explicit_system.Reduced`."""
 
-    def __init__(self, pairs: Sequence[OperatorPair], nodes: int) -> None:
-        self.number = np.full(nodes, -1, np.int32)
+    def __init__(self, pairs: Sequence[OperatorPair], enforcement: ExplicitEnforcement, state: State) -> None:
+        self.enforcement, self.state = enforcement, state
+        self.number = np.full(len(state["displacement"]), -1, np.int32)
         self.touched = sum(len(pair.slave.nodes) + len(pair.master.nodes) for pair in pairs)
         self.ends = [PairEnds(pair, self.number, self.touched) for pair in pairs]
+        names = [f"memory.{pair.name}" for pair in pairs]
+        self.memories = [state[name] if name in state else np.zeros((0, 2)) for name in names]
         self.rows = self._room(8 * sum(pair.slots for pair in pairs))
+
+    @property
+    def factors(self) -> FactoredRows:
+        """The chains of T, and the gaps."""
+        return self.rows.factors
 
     def _room(self, entries: int) -> FactoredGradients:
         self.number[:] = -1
         return FactoredGradients.allocate(sum(ends.pair.slots for ends in self.ends), entries, self.touched)
 
-    def assemble(self, memories: list[Floats]) -> bool:
+    def assemble(self, current: Floats, predicted: Floats) -> bool:
         """Rows of all pairs as they were last updated; False where an algorithm cannot tell where its pieces end."""
-        self.rows.factors.count = 0
-        for ends, memory in zip(self.ends, memories, strict=True):
+        self.factors.count = 0
+        for ends, memory in zip(self.ends, self.memories, strict=True):
             if not ends.found(memory):
                 return False
         while not self._written():
-            self.rows = self._room(int(GROW * len(self.rows.factors.node)) + 64)
+            self.rows = self._room(int(GROW * len(self.factors.node)) + 64)
+        rows, state = self.rows, self.state
+        factored_gradients.allow_factored_motion(
+            self.factors.count, rows.packed.address, current, predicted, state["velocity"], state.last_dt
+        )
+        for ends in self.ends:
+            push_facets(ends.pair, self.factors, state, offset=rows.offset)
         return True
 
     def _written(self) -> bool:
@@ -166,12 +191,27 @@ class ModelGradients:
             )
             if count < 0:
                 return False
-        self.rows.factors.count = count
+        self.factors.count = count
         return True
 
-    def allow_motion(self, predicted: Floats, current: Floats, velocity: Floats, last_dt: float) -> None:
-        """What the conditions have to hold at the end of the step; see `contactlab.kernels.contact.gap_gradients`."""
-        rows = self.rows
-        factored_gradients.allow_factored_motion(
-            rows.factors.count, rows.packed.address, current, predicted, velocity, last_dt
-        )
+    def solve(self, compliance: Floats, multipliers: Floats, force: Floats) -> Solve | None:
+        """See `Reduced`."""
+        return self.enforcement.solve_gradients(self.rows, compliance, multipliers, force)
+
+
+def push_facets(
+    pair: ContactPair, rows: Rows | FactoredRows, state: State, first: int = 0, offset: Floats | None = None
+) -> None:
+    """Let weak overlaps of the start be pushed out by what comes to count of them: rows hold u + d, two steps.
+
+    Rows from `first` on may be of the pair; `offset` (k,) [mm] is what gaps at the end have beside those of the rows.
+    """
+    time, dt, facets = state.time, state.last_dt, pair.start_gaps
+    if not isinstance(facets, FacetOverlap) or (pushed := facets.pushed(max(0.0, time - dt), time + dt)) is None:
+        return
+    slot = rows.slot[first : rows.count] - pair.first_slot
+    own = first + np.flatnonzero((slot >= 0) & (slot < len(pushed)))
+    more = pushed[slot[own - first]]
+    rows.gap[own] += more
+    if offset is not None:
+        offset[own] -= more

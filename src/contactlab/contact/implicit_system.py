@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from scipy.sparse import csr_array, vstack
 
-from contactlab.api import Conditions, ContactDerivatives, Floats, ImplicitEnforcement, Ints, State
+from contactlab.api import Conditions, ContactDerivatives, Floats, FrictionBound, ImplicitEnforcement, Ints, State
 from contactlab.api.arrays import Flags
 from contactlab.contact.contact_pairs import linearised
 from contactlab.contact.coupling import Coupling
@@ -19,7 +19,7 @@ from contactlab.contact.explicit_system import allocate_rows
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair, shown, turned
 from contactlab.contact.passage import first_passage
-from contactlab.contact.sliding import friction_limits, varying
+from contactlab.contact.sliding import varying
 
 if TYPE_CHECKING:
     from contactlab.contact.potential_pair import PotentialPair
@@ -271,7 +271,8 @@ class ImplicitContactSystem:
         if not self.friction:
             return potentials, 0.0
         c, (normal, shear) = self.conditions, self.started
-        bounds = np.stack([friction_limits(c, force)[0] for force in (normal, c.force[0])])
+        bound, measure = FrictionBound(*c.bound), np.where(c.present, c.measure, 0.0)
+        bounds = np.stack([bound.limits(force, measure)[0] for force in (normal, c.force[0])])
         slides, way = np.abs(c.force[1]) >= bounds[1] * (1.0 - ROUND_OFF), -np.sign(c.slip)
         start = np.where(slides, way * np.clip(way * shear, bounds.min(axis=0), bounds.max(axis=0)), shear)
         taken = self._rubbed(0.5 * (start + c.force[1]))

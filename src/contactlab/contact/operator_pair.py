@@ -19,7 +19,8 @@ from contactlab.contact.pair import ContactPair, ContactSnapshot
 from contactlab.errors import SceneError, WrongAnswer
 from contactlab.kernels.contact import banded_rows, rows
 from contactlab.kernels.contact import pair as kernels
-from contactlab.kernels.contact.factored_rows import FAR, write_factored
+from contactlab.kernels.contact.factored_rows import write_factored
+from contactlab.kernels.contact.pair import FAR
 from contactlab.kernels.contact.tables import BandedRows, BothSides, PairTable
 
 

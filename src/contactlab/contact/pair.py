@@ -26,7 +26,7 @@ from contactlab.contact.near_list import REACH, Near, longest_segment
 from contactlab.contact.sliding import sliding_of
 from contactlab.contact.start_gaps import StartGaps
 from contactlab.kernels.contact import rows
-from contactlab.kernels.contact.factored_rows import FAR
+from contactlab.kernels.contact.pair import FAR
 from contactlab.kernels.contact.search import take
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from contactlab.api import Floats, Ints, State
 from contactlab.api.contact_steps import NO_SEGMENT
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactSnapshot, turned
-from contactlab.kernels.contact.factored_rows import FAR
+from contactlab.kernels.contact.pair import FAR
 
 
 class PointsPair(OperatorPair):

@@ -14,7 +14,7 @@ from contactlab.contact.gap_pair import GapPair
 from contactlab.contact.pair import turned
 from contactlab.contact.start_gaps import StartGaps
 from contactlab.errors import WrongAnswer
-from contactlab.kernels.contact.factored_rows import FAR
+from contactlab.kernels.contact.pair import FAR
 
 STEP = 1e-6  # of a segment: differences of gradients
 LAGGED = 1e-8  # of the largest force: friction forces that change less by newer normal forces are those of the end

@@ -6,12 +6,11 @@ from typing import ClassVar
 
 import numpy as np
 
-from contactlab.api import Conditions, Floats, ImplicitEnforcement, NormalLaw, Response
+from contactlab.api import Conditions, Floats, FrictionBound, ImplicitEnforcement, NormalLaw, Response
 from contactlab.api.arrays import Flags
 from contactlab.api.frame import OPEN, SLIP, STICK
 from contactlab.contact.pair import ContactPair, initial_gaps
 from contactlab.contact.pressure_memory import PressureMemory, named
-from contactlab.contact.sliding import friction_limits
 
 POINTS, WEIGHTS = 0.5 * (np.polynomial.legendre.leggauss(4)[0] + 1.0), 0.5 * np.polynomial.legendre.leggauss(4)[1]
 DOUBLED = 30  # times that a depth is, until the law gives a force there
@@ -188,7 +187,8 @@ class MeanPressureResponse(PressureResponse):
 def rub(c: Conditions, out: Response) -> None:
     """Sticking conditions do not slip, the others carry their bound."""
     stiffness = np.where(c.present, c.stiffness, 0.0)
-    limit, growth = friction_limits(c, c.force[0])
+    limit, growth = FrictionBound(*c.bound).limits(c.force[0], np.where(c.present, c.measure, 0.0))
+    growth = np.where(c.force[0] > 0.0, growth, 0.0)
     trial = c.force[1] - stiffness * c.slip
     # a force at one end of its bound that would jump to the other sticks first: Newton's method goes to and fro else
     turns = (trial * c.force[1] < 0.0) & (limit > 0.0)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contactlab.api import Conditions, ContactView, Floats, FrictionLaw, Ints, State
+from contactlab.api import ContactView, Floats, FrictionBound, FrictionLaw, Ints, State
 from contactlab.api.surface import SurfacePositions
 from contactlab.errors import WrongAnswer
 from contactlab.parts.remembered import checked, remember
@@ -26,16 +26,6 @@ TRIES = 60
 """Most tries to find a rate of slip."""
 EXACT = 1e-9
 """Error of a slip that was found, over the slip without friction."""
-
-
-def friction_limits(conditions: Conditions, normal: Floats) -> tuple[Floats, Floats]:
-    """Largest tangential forces (k,) [N] at normal forces (k,) [N], and their derivatives by these."""
-    coefficient, adhesion, cap = conditions.bound
-    pressed, grip = np.maximum(normal, 0.0), adhesion * conditions.measure
-    capped = np.where(np.isfinite(cap), cap, 0.0) * pressed
-    follows = np.isfinite(cap) & (capped < grip)
-    limit = np.where(conditions.present, np.where(follows, capped, grip) + coefficient * pressed, 0.0)
-    return limit, np.where(normal > 0.0, coefficient + np.where(follows, cap, 0.0), 0.0)
 
 
 class Sliding:
@@ -113,12 +103,14 @@ class VaryingSliding(Sliding):
         slip (k,) [mm] of the step under `force` (2, k) [N]; `give` (k,) [mm/N] is what a tangential force changes it by
         """
         free = np.where(force[0] > 0.0, slip - give * force[1], 0.0)
-        now = self._limits(self.kept[:3], pair, force[0])
-        rate = self._rates(
-            np.abs(free), give, lambda v: self._limits(self._bounds(np.copysign(v, free)), pair, force[0])
-        )
+
+        def limits(bounds: Floats) -> Floats:
+            return FrictionBound(*bounds).limits(force[0], pair.cover)[0]
+
+        now = limits(self.kept[:3])
+        rate = self._rates(np.abs(free), give, lambda v: limits(self._bounds(np.copysign(v, free))))
         bounds = self._bounds(np.copysign(rate, free))
-        change = np.abs(self._limits(bounds, pair, force[0]) - now)[force[0] > 0.0]
+        change = np.abs(limits(bounds) - now)[force[0] > 0.0]
         self.kept[:2] = np.maximum(self._ahead(self.kept[:2].ravel(), bounds[:2].ravel()), 0.0).reshape(2, -1)
         self.kept[2] = bounds[2]
         return float(change.max(initial=0.0)) / max(float(now.max(initial=0.0)), 1e-300)
@@ -194,14 +186,6 @@ class VaryingSliding(Sliding):
         for row, (name, values) in enumerate(zip(KEPT, found, strict=False)):
             out[row] = checked(self.law, f"bound gave {name}", values, out.shape[1], least=0.0)
         return out
-
-    def _limits(self, bounds: Floats, pair: ContactPair, force: Floats) -> Floats:
-        """Largest tangential forces (k,) [N] under normal ones."""
-        normal = np.maximum(force, 0.0)
-        adhesion = bounds[1] * pair.cover
-        # an infinite cap of what has no normal force is no number
-        capped = np.multiply(bounds[2], normal, out=np.full_like(normal, np.inf), where=np.isfinite(bounds[2]))
-        return np.asarray(bounds[0] * normal + np.minimum(adhesion, capped))
 
     def _needed(self, slip_rate: Floats) -> dict[str, Any]:
         given: dict[str, Any] = {

@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from contactlab.api import Floats
-from contactlab.kernels.contact.factored_rows import FAR
+from contactlab.kernels.contact.pair import FAR
 
 
 class StartGaps(ABC):

@@ -11,7 +11,7 @@ from contactlab.api import ContactDerivatives, Floats, Ints
 from contactlab.contact.linearisation import Linearisation
 from contactlab.contact.moment_free_rows import MomentFreeRows, neighbours
 from contactlab.contact.start_gaps import FacetOverlap
-from contactlab.kernels.contact.factored_rows import FAR
+from contactlab.kernels.contact.pair import FAR
 
 
 class StepRows(Linearisation):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contactlab.api import ExplicitIntegrator, FactoredRows, Floats, Integrator, State, Step
+from contactlab.api import ExplicitIntegrator, Floats, Integrator, State, Step
 from contactlab.api.arrays import Flags
 from contactlab.api.state import CONTACT_WORK
 from contactlab.api.surface import SurfacePositions
@@ -17,7 +17,7 @@ from contactlab.contact.gradients import PairGradients
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair
 from contactlab.errors import SceneError
-from contactlab.kernels.contact.factored_rows import FAR
+from contactlab.kernels.contact.pair import FAR
 
 if TYPE_CHECKING:
     from contactlab.errors import Where
@@ -94,10 +94,11 @@ class WorkSplit:
         self.work += 0.5 * np.array([closing, step, normals, weights])
 
     def _joins_closest_points(self) -> bool:
-        constant: FactoredRows | None = getattr(self.contact, "columns", None)
-        if constant is None or self.contact.factored is not constant:
-            return False
-        return constant.count > 0
+        from contactlab.contact.consistent_system import ConstantColumns
+
+        rows = self.contact.factored
+        joins = (isinstance(reduced, ConstantColumns) and reduced.factors is rows for reduced in self.contact.reduced)
+        return rows is not None and rows.count > 0 and any(joins)
 
     def _remembered(self, pair: ContactPair, nothing: Floats) -> Floats:
         """What the pair's algorithm remembers now; `nothing` where it has no memory."""

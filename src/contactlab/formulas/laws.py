@@ -89,7 +89,6 @@ class _Kernels:
 
 
 _GIVEN = {"F": "measure", "H": "measure", "G": "measure", "history": "history", "dt": "dt", "p": "p"}
-ARGUMENTS = tuple(_GIVEN)
 _of_class = cache(_Kernels)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contactlab.api.compiled.friction import friction_limit
 from contactlab.api.compiled.kernel import kernel, section, summation
 from contactlab.api.compiled.unpack import unpack
 
@@ -108,7 +109,7 @@ def contact_scalars(row, bound, column, count, factored):
             out[at] += 1.0
             now[slot[k]] = ACTIVE
             if friction:
-                limit = bounds[0, k] * pressed + min(bounds[1, k] * measure[k], bounds[2, k] * pressed)
+                limit = friction_limit(bounds[0, k], bounds[1, k], bounds[2, k], measure[k], pressed)
                 if pulled < limit * (1.0 - 1e-9):
                     out[at + 1] += 1.0
                     now[slot[k]] = STICKING

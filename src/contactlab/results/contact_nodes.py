@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api import Floats, Ints
+from contactlab.api import Floats, FrictionBound, Ints
 from contactlab.api.contact_steps import NO_SEGMENT
 from contactlab.contact.gap_pair import GapPair
 from contactlab.contact.pair import ContactPair, ContactSnapshot
-from contactlab.kernels.contact.factored_rows import FAR
+from contactlab.kernels.contact.pair import FAR
 
 ROUND = 1e-9  # of the largest force: what linear solves leave at nodes that carry none
 
@@ -70,11 +70,7 @@ def friction_bound(pair: ContactPair, seen: ContactSnapshot) -> Floats:
     if pair.friction is None:
         return np.zeros_like(normal_force)
     assert pair.sliding is not None
-    coefficient, share, cap = pair.sliding.of(slice(None))
-    adhesion = share * seen.cover
-    if np.isfinite(cap).all():
-        adhesion = np.minimum(adhesion, cap * normal_force)
-    return np.asarray(coefficient * normal_force + adhesion)
+    return FrictionBound(*pair.sliding.of(slice(None))).limits(normal_force, seen.cover)[0]
 
 
 def states_of(pair: ContactPair, seen: ContactSnapshot, bound: Floats) -> Ints:

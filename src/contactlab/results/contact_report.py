@@ -9,7 +9,7 @@ import numpy as np
 
 from contactlab.api import Floats, Ints, State
 from contactlab.contact.pair import ContactPair, ContactSnapshot, turned
-from contactlab.kernels.contact.factored_rows import FAR
+from contactlab.kernels.contact.pair import FAR
 from contactlab.kernels.contact.penetration import depths, with_midpoints
 from contactlab.results.contact_nodes import between, by_slot, friction_bound, node_values, per_node, states_of
 from contactlab.results.results import ContactCurve

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contactlab.api import FactoredRows, Floats, Step
+from contactlab.api import FactoredRows, Floats, FrictionBound, Step
 from contactlab.api.compiled.bound_arrays import BoundArrays
 from contactlab.api.state import WORK
 from contactlab.contact.pair import ContactPair
@@ -158,10 +158,7 @@ def _conditions_of(c: Any, pair: ContactPair) -> tuple[np.ndarray, float]:
     active = (pressed > 0.0) | (pulled > 0.0)
     sticking = np.zeros_like(active)
     if c.bound.shape[1]:
-        coefficient, adhesion, cap = c.bound[:, own]
-        with np.errstate(invalid="ignore"):  # no force under an infinite cap
-            capped = np.fmin(adhesion * c.measure[own], cap * pressed)
-        bound = coefficient * pressed + capped
+        bound, _ = FrictionBound(*c.bound[:, own]).limits(pressed, c.measure[own])
         sticking = active & (pulled < bound - np.maximum(1e-9 * bound, pair.lagged * pressed.max(initial=0.0)))
     deepest = np.where(c.present[own], -c.gap[own], 0.0).max(initial=0.0)
     return np.where(sticking, STICKING, active * ACTIVE), float(deepest)

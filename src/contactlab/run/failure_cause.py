@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from contactlab.api import Conditions, Floats, Iteration, StepStatus, Surface
+from contactlab.api import Conditions, Floats, FrictionBound, Iteration, StepStatus, Surface
 from contactlab.api.frame import SLIP, STICK
 from contactlab.model.loading.held_bodies import MOTIONS, free_motions, hold, loose_motions
 
@@ -222,7 +222,7 @@ def _bodies(scene: Scene, pair: ContactPair) -> set[str]:
 
 def _reserve(model: Model, pair: ContactPair) -> tuple[float, Floats]:
     """How far the pressure acts from the nearer end of where the sides meet, over its length, and where that end is."""
-    from contactlab.kernels.contact.factored_rows import FAR
+    from contactlab.kernels.contact.pair import FAR
 
     force = model.state["multipliers"][0, pair.own]
     at = np.tile(model.position[pair.slave.nodes], (pair.rows_per_node, 1))
@@ -238,9 +238,7 @@ def friction_share(conditions: Conditions, first: int, count: int) -> float:
     """Tangential forces of the conditions from `first` on over their bounds."""
     own = slice(first, first + count)
     pressed, pulled = conditions.force[0, own], np.abs(conditions.force[1, own])
-    coefficient, adhesion, cap = conditions.bound[:, own]
-    with np.errstate(invalid="ignore"):  # no force under an infinite cap
-        bound = coefficient * pressed + np.fmin(adhesion * conditions.measure[own], cap * pressed)
+    bound, _ = FrictionBound(*conditions.bound[:, own]).limits(pressed, conditions.measure[own])
     return float(pulled.sum() / max(bound.sum(), 1e-300))
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from contactlab.api import Step, StepStatus
 from contactlab.errors import SimulationFailure
+from contactlab.implicit.iteration import take_back
 from contactlab.run.controlled_step import rejected
 from contactlab.run.guards import Guards
 from contactlab.run.watches import NoGuards
@@ -47,11 +48,7 @@ class GuardedStep:
             self.objections = 0
             return step
         self.objections += not too_wrong
-        model.state.restore(start)
-        model.begin_step(0.0)
-        model.internal_force(0.0)
-        # forces of that evaluation may differ from those that were reached by a step, in their last digits
-        model.state.restore(start)
+        take_back(model, model.state, start)
         self.guards.restore(memory)
         return (
             rejected(step) if too_wrong else step._replace(status=StepStatus.not_converged, reason=reason, error=None)

@@ -5,8 +5,7 @@ rows.work holds what a solve keeps of each row: compliance and force, normal (0,
 
 from __future__ import annotations
 
-import numpy as np
-
+from contactlab.api.compiled.friction import friction_limit
 from contactlab.api.compiled.kernel import section
 
 
@@ -23,10 +22,7 @@ def normal_update(k, gap, rows):
 def tangential_update(k, slip, rows):
     """No slip, or the force at the friction bound; returns row k's residual before and the change of its force."""
     a, y = rows.work[2, k], rows.work[3, k]
-    adhesion = rows.bound[1, k] * rows.measure[k]
-    if rows.bound[2, k] < np.inf:
-        adhesion = min(adhesion, rows.bound[2, k] * rows.work[1, k])
-    limit = rows.bound[0, k] * rows.work[1, k] + adhesion
+    limit = friction_limit(rows.bound[0, k], rows.bound[1, k], rows.bound[2, k], rows.measure[k], rows.work[1, k])
     new = min(limit, max(-limit, y - slip / a))
     rows.work[3, k] = new
     return abs(new - y) * a / rows.size[k], new - y

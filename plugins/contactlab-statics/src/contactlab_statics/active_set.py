@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from contactlab.api import Conditions, Floats, ImplicitEnforcement, Response
+from contactlab.api import Conditions, Floats, FrictionBound, ImplicitEnforcement, Response
 from contactlab.api.frame import OPEN, SLIP, STICK
 
 TOUCHING = 1e-9  # segment lengths
@@ -56,7 +56,8 @@ class ActiveSet(ImplicitEnforcement):
 def _tangential(
     conditions: Conditions, stiffness: Floats, normal: Floats, closed: Floats, sticks: bool, out: Response
 ) -> None:
-    limit, growth = limits(conditions, normal)
+    measure = np.where(conditions.present, conditions.measure, 0.0)
+    limit, growth = FrictionBound(*conditions.bound).limits(normal, measure)
     force = conditions.force[1]
     trial = force - stiffness * conditions.slip
     # a slip that would turn round within an iteration has met its solution in between: it sticks
@@ -72,14 +73,3 @@ def _tangential(
     out.cross_force[:] = np.where(follows, -sign * growth, 0.0)
     out.cross_gap[:] = np.where(follows, sign * growth * stiffness, 0.0)
     out.status[:] = np.where(stick, STICK, np.where(limit > 0.0, SLIP, out.status))
-
-
-def limits(conditions: Conditions, normal: Floats) -> tuple[Floats, Floats]:
-    """Bound [N] of |y_t| at normal forces (k,) [N] >= 0, and its derivative by them."""
-    coefficient, adhesion, cap = conditions.bound
-    adhesive = np.where(conditions.present, adhesion * conditions.measure, 0.0)
-    # inf times no force is a bound that does not ask whether the surface is pressed
-    rising = np.where(np.isfinite(cap), np.where(np.isfinite(cap), cap, 0.0) * normal, np.inf)
-    capped = rising < adhesive
-    limit = coefficient * normal + np.where(capped, rising, adhesive)
-    return limit, coefficient + np.where(capped, cap, 0.0)

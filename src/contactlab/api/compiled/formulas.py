@@ -227,7 +227,6 @@ _REFUSED = {
     "STORE_GLOBAL": "a global name that is written", "YIELD_VALUE": "a generator", "LOAD_BUILD_CLASS": "a class",
     "FORMAT_VALUE": "a string",
 }  # fmt: skip
-_LOADS = ("LOAD_ATTR", "LOAD_METHOD")
 
 
 def _refuse(function: Any) -> None:

@@ -6,13 +6,77 @@
 from __future__ import annotations
 
 from contactlab.api.compiled.chains import tributary_lengths
-from contactlab.api.compiled.kernel import kernel
+from contactlab.api.compiled.kernel import kernel, section
 from contactlab.api.compiled.unpack import unpack
 from contactlab.kernels.contact.banded_rows import fill_columns
 from contactlab.kernels.contact.coupling import couple, unmerged
-from contactlab.kernels.contact.factored_rows import separations
 from contactlab.kernels.contact.search import largest_move, take
 from contactlab.kernels.contact.tables import PairTable
+
+FAR = 1e300  # gap of a multiplier that is not kept
+
+
+@section
+def weigh(k, column, at, sign, x, y):
+    """x and y plus sign times the weighted sum of positions `at` over column k."""
+    start, end, weight = column.start, column.end, column.weight
+    begin = start[k]
+    for z in range(begin, end[k]):
+        w = sign * weight[k, z - begin]
+        x += w * at[z, 0]
+        y += w * at[z, 1]
+    return x, y
+
+
+@kernel
+def separations(c, columns, at, normals, separation, gaps):
+    """Vector from the master's to the slave's weighted position, its normal and tangential part (k, 2).
+
+    at = positions of slave and master; conditions that are not kept count as `FAR` open.
+    Both substitutions with T^T carry the last place of a chain in x and y, as `order` goes along the chains.
+    """
+    slave_at, master_at = at
+    single, order, kept, nodes = c.single[0], c.order, c.kept[0], slave_at.shape[0]
+    pivot, lower, upper, next_, previous = c.pivot, c.lower, c.upper, c.next, c.previous
+    for k in range(gaps.shape[0]):
+        gaps[k, 0] = FAR
+    x, y = 0.0, 0.0
+    for i in range(kept):
+        k = order[i]
+        u, v = weigh(k, columns.master, master_at, -1.0, 0.0, 0.0)
+        if not single:
+            u, v = weigh(k, columns.slave, slave_at, 1.0, u, v)
+        p, inverse = previous[k], 1.0 / pivot[k]
+        factor = upper[p] * inverse if p >= 0 else 0.0
+        x, y = u * inverse - factor * x, v * inverse - factor * y
+        separation[k, 0], separation[k, 1] = x, y
+    x, y = 0.0, 0.0
+    for i in range(kept - 1, -1, -1):
+        k = order[i]
+        n = next_[k]
+        factor = lower[n] / pivot[k] if n >= 0 else 0.0
+        x, y = separation[k, 0] - factor * x, separation[k, 1] - factor * y
+        u, v = x, y
+        if single:
+            node = k % nodes
+            u, v = u + slave_at[node, 0], v + slave_at[node, 1]
+        nx, ny = normals[k, 0], normals[k, 1]
+        separation[k, 0], separation[k, 1] = u, v
+        gaps[k, 0], gaps[k, 1] = nx * u + ny * v, ny * u - nx * v
+
+
+@kernel
+def largest_sideways(bound):
+    """Largest distance across the normal between what conditions join, over the length of the slave segments there.
+
+    `bound` is the address of a `PairTable`, with gaps where the conditions were made.
+    """
+    pair = unpack(bound, PairTable)
+    c, largest = pair.coupling, 0.0
+    for i in range(c.kept[0]):
+        k = c.order[i]
+        largest = max(largest, abs(pair.gaps[k, 1]) / c.full[k])
+    return largest
 
 
 @kernel

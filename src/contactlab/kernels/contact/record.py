@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-
 from contactlab.api.compiled.bound_arrays import Bytes2, Floats1, Floats2, Ints1, Ints2, Shorts2, Singles2
 from contactlab.api.compiled.contact_tables import RowsTable
+from contactlab.api.compiled.friction import friction_limit
 from contactlab.api.compiled.kernel import kernel, section
 from contactlab.api.compiled.unpack import unpack
 from contactlab.kernels.contact.coupling import solve_pivots
-from contactlab.kernels.contact.factored_rows import FAR, separations
+from contactlab.kernels.contact.pair import FAR, separations
 from contactlab.kernels.contact.search import take
 from contactlab.kernels.contact.tables import PairTable
 
@@ -146,10 +145,7 @@ def _node(row, i, nodes, cover, r, friction):
             if r.scratch.apart[k, 0] < FAR:
                 slip += r.scratch.slid[k]
                 near += 1
-            adhesion = r.law[1, k] * cover[k]
-            if r.law[2, k] < np.inf:
-                adhesion = min(adhesion, r.law[2, k] * normal)
-            limit = r.law[0, k] * normal + adhesion
+            limit = friction_limit(r.law[0, k], r.law[1, k], r.law[2, k], cover[k], normal)
         if normal > 0.0 or tangential != 0.0:
             state = max(state, 1 if friction and abs(tangential) < limit * STICKS else 2)
     r.out.gap[row, i] = gap if gap < FAR else float("nan")

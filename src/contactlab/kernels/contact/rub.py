@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contactlab.api.compiled.contact_tables import RowsTable
+from contactlab.api.compiled.friction import friction_limit
 from contactlab.api.compiled.kernel import kernel
 from contactlab.api.compiled.unpack import unpack
 
@@ -53,9 +54,9 @@ def rub(count, bound_rows, compliance, multipliers, force, tolerance, sweeps):
                     pivot += w * w * compliance[n, c]
                     slip += w * compliance[n, c] * force[n, c]
             normal, old = max(multipliers[0, k], 0.0), multipliers[1, k]
-            limit = rows.bound[0, row] * normal
-            if rows.bound[1, row] > 0.0:
-                limit += min(rows.bound[1, row] * rows.measure[row], rows.bound[2, row] * normal)
+            limit = friction_limit(
+                rows.bound[0, row], rows.bound[1, row], rows.bound[2, row], rows.measure[row], normal
+            )
             new = min(max(old - slip / pivot, -limit), limit) if pivot > 0.0 else 0.0
             if new == old:
                 continue

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contactlab.api import Enforcement, Floats, FrictionLaw, NormalLaw, Solve, State
+from contactlab.api import Enforcement, Floats, FrictionBound, FrictionLaw, NormalLaw, Solve, State
 from contactlab.api.arrays import Flags
 from contactlab.contact.explicit_system import slips
 from contactlab.contact.half_passes import shear_stiffness
@@ -119,9 +119,7 @@ class HalfPassContactSystem(PressureContactSystem):
         slot = rows.slot[:count]
         start_slips(count, rows.packed.address, current - self.state.last_dt * self.velocity, current)
         stiffness = rows.measure[:count] * shear_stiffness(self.law, self.stiffness[slot], rows.size[:count])
-        normal, (coefficient, adhesion, cap) = self.multipliers[0, slot], rows.bound[:, :count]
-        grip = adhesion * rows.measure[:count]
-        limit = coefficient * normal + np.where(np.isfinite(cap), np.fmin(grip, cap * normal), grip)
+        limit, _ = FrictionBound(*rows.bound[:, :count]).limits(self.multipliers[0, slot], rows.measure[:count])
         wish = self.rubbed[slot] - stiffness * rows.slip[:count]
         self.multipliers[1, slot[half]] = 0.0
         return np.where(half, np.clip(wish, -limit, limit), 0.0)

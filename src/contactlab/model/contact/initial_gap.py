@@ -12,7 +12,7 @@ from contactlab.api.arrays import Flags
 from contactlab.contact.pair import ContactPair, initial_gaps, start_distances
 from contactlab.contact.start_gaps import FacetOverlap, FittedFacets, RampedOverlap
 from contactlab.errors import SceneError, below
-from contactlab.kernels.contact.factored_rows import FAR
+from contactlab.kernels.contact.pair import FAR
 from contactlab.kernels.contact.penetration import depths, with_midpoints
 from contactlab.meshing.curves import distances_to_curve, facet_depths
 from contactlab.meshing.mesh import inverted_cells

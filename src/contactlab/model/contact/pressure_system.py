@@ -14,7 +14,7 @@ from contactlab.contact.explicit_system import slips
 from contactlab.contact.pair import ContactPair
 from contactlab.contact.pressure_memory import named
 from contactlab.contact.pressure_response import PressureStore
-from contactlab.kernels.contact.factored_rows import FAR
+from contactlab.kernels.contact.pair import FAR
 from contactlab.kernels.contact.rub import push, rub, start_slips
 from contactlab.model.loading.effect_rates import EffectRates
 
@@ -94,7 +94,7 @@ class PressureContactSystem(ConsistentContactSystem):
         )
         return done._replace(sweeps=done.sweeps + sweeps, residual=residual)
 
-    def _advance(self, rows: Rows, first: int, current: Floats, predicted: Floats, strict: bool) -> None:
+    def _advance(self, pair: ContactPair, first: int, current: Floats, predicted: Floats) -> None:
         """Gaps are those of the start of the step."""
 
     @property
