@@ -11,12 +11,10 @@ import pytest
 from tiers import some
 
 from contactlab.contact import half_passes
-from contactlab.contact.half_passes import HalfPassLinearisation, HalfPassResponse
+from contactlab.contact.half_passes import HalfPassContactSystem, HalfPassLinearisation, HalfPassResponse
 from contactlab.contact.linearisation import PairLinearisation
 from contactlab.contact.points_pair import PointsPair
 from contactlab.model.contact import cells_behind
-from contactlab.model.contact import half_passes as explicit
-from contactlab.model.contact.half_passes import HalfPassContactSystem
 from contactlab.parts.registry import default_registry
 from contactlab.testing.run import run_check
 from contactlab.testing.scenarios import Scenario, contact
@@ -167,7 +165,7 @@ DEFECTS: dict[str, tuple[Plant, Scenario]] = {
         around(HalfPassContactSystem, "_springs", lambda right, self, *given: -right(self, *given)), MOTION,
     ),
     "explicit: friction that gives way": (
-        instead(explicit, "shear_stiffness", lambda right: lambda *given: 0.01 * right(*given)), MOTION,
+        instead(half_passes, "shear_stiffness", lambda right: lambda *given: 0.01 * right(*given)), MOTION,
     ),
     "nodes have the half of each point": (around(PointsPair, "_shares", halves), contact.hertz),
 }  # fmt: skip

@@ -73,7 +73,7 @@ def unfit(case: Case, setup: Setup, registry: Registry) -> str:
 
 def _refuse(scene: Scene, registry: Registry) -> None:
     """Raise RequestError for a scene that gives a potential or half passes what they cannot take."""
-    from contactlab.model.contact.half_passes import refuse_half_passes
+    from contactlab.model.contact.checks import refuse_half_passes
     from contactlab.model.contact.potential_start import refuse_potential
 
     integrator = registry.make("integrator", scene.integrator)

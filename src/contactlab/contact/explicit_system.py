@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Sequence
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol, cast
+from typing import TYPE_CHECKING, ClassVar, Protocol, cast
 
 import numpy as np
 
@@ -83,16 +83,16 @@ class ContactSystem:
             if pair.friction is not None and not pair.idle:
                 pair.compute_start_normals(current, memory)
 
-    def rates(self, others: Any, step: float) -> Any:
-        """What explicit steps have to follow beside the bodies: the `others` alone, as exact multipliers set no limit.
+    def rate(self, step: float) -> float:
+        """Largest eigenvalue [1/s2] that contact adds to the bodies; 0, as exact multipliers do not limit the step.
 
         step  [s] stable without contact
         """
-        return others
+        return 0.0
 
     @property
     def stiffened(self) -> bool:
-        """Whether `rates` are no longer those of the last step."""
+        """Whether `rate` has grown since the step was chosen."""
         return False
 
     @property

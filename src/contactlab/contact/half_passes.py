@@ -12,12 +12,27 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array
 
-from contactlab.api import Conditions, ContactDerivatives, Floats, Ints, NormalLaw, Response
+from contactlab.api import (
+    Conditions,
+    ContactDerivatives,
+    Floats,
+    FrictionBound,
+    Ints,
+    NormalLaw,
+    Response,
+    Solve,
+    State,
+)
+from contactlab.api.arrays import Flags
+from contactlab.contact.explicit_system import slips
 from contactlab.contact.implicit_system import ImplicitContactSystem
 from contactlab.contact.linearisation import PairLinearisation
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair
-from contactlab.contact.pressure_response import PressureResponse, rub
+from contactlab.contact.pressure_response import PressureResponse, PressureStore, rub
+from contactlab.contact.pressure_system import PressureContactSystem
+from contactlab.kernels.contact.rows import tangential_work
+from contactlab.kernels.contact.rub import start_slips
 
 TRACE = 1e-150  # stands for zero in matrices: the solver wants patterns that are symmetric, and sums drop zeros
 TOUCH = 1e-6  # segments: so shallow an overlap has the slope with which surfaces touch
@@ -86,6 +101,99 @@ class HalfPassSystem(ImplicitContactSystem):
         """Nothing along which motion would be stopped: impulses on one side alone would change momentum."""
         none = csr_array((len(chosen), self.start.size))
         return none, none if self.friction else None
+
+
+class HalfPassContactSystem(PressureContactSystem):
+    """As `PressureContactSystem`; rows of half passes act on their slave alone, with friction by springs.
+
+    made  rows of all passes; after a step `rows` counts those that reports show
+    """
+
+    def __init__(
+        self, pairs: tuple[ContactPair, ...], store: PressureStore, state: State, densities: list[float]
+    ) -> None:
+        super().__init__(pairs, store, state, densities)
+        slots, nodes = self.multipliers.shape[1], len(state["displacement"])
+        self.of_pass = np.repeat(np.arange(len(pairs)), [pair.slots for pair in pairs])
+        self.half = np.array([pair.half for pair in pairs])[self.of_pass]
+        self.share = np.array([pair.share for pair in pairs])[self.of_pass]
+        self.acts = np.ones((len(pairs), nodes), np.bool_)
+        for acts, pair in zip(self.acts, pairs, strict=True):
+            if pair.half:
+                acts[:] = False
+                acts[pair.slave.nodes] = True
+        if self.friction:
+            sizes = np.concatenate([np.full(pair.slots, pair.size) for pair in pairs])
+            found = shear_stiffness(store.law, store.stiffness, sizes)
+            self.shear[:] = [float(found[pair.own].max()) if pair.half else 0.0 for pair in pairs]
+        self.visible = sum(pair.slots for pair in self.pairs)
+        self.made, self.rubbed = 0, np.zeros(slots)
+
+    def _solve(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
+        if self.friction:
+            self.rubbed[:] = self.multipliers[1]
+        done = super()._solve(predicted, current, compliance, force)
+        self.made = self.rows.count
+        self._show()
+        return done
+
+    def _show(self) -> None:
+        """Leave the rows of the contacts of the scene: those of second passes are behind them."""
+        self.rows.count = int(np.count_nonzero(self.rows.slot[: self.made] < self.visible))
+
+    def _push(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> tuple[int, float]:
+        rows, end = self.rows, int(self.rows.start[self.rows.count])
+        slot = rows.slot[: rows.count]
+        of_entry = np.repeat(np.arange(rows.count), np.diff(rows.start[: rows.count + 1]))
+        left = ~self.acts[self.of_pass[slot[of_entry]], rows.node[:end]]
+        rows.normal_weight[:end][left] = 0.0
+        if not len(rows.slip):
+            return super()._push(predicted, current, compliance, force)
+        half = self.half[slot]
+        shear = self._springs(current, half)
+        tangent = rows.tangent_weight[:end].copy()
+        kept = np.where(left[:, None], 0.0, tangent)
+        np.add.at(force, rows.node[:end], kept * shear[of_entry, None])
+        # nothing is left to find of rows that have no weights
+        rows.tangent_weight[:end][half[of_entry]] = 0.0
+        done = super()._push(predicted, current, compliance, force)
+        self.multipliers[1, slot[half]] = shear[half]
+        rows.tangent_weight[:end] = kept
+        # slips are those of both sides
+        unseen = ((tangent - kept) * (predicted - current + compliance * force)[rows.node[:end]]).sum(axis=1)
+        seen = (kept * (predicted - current)[rows.node[:end]]).sum(axis=1)
+        rows.slip[: rows.count][half] = np.bincount(of_entry, seen + unseen, rows.count)[half]
+        return done
+
+    def _springs(self, current: Floats, half: Flags) -> Floats:
+        """Tangential forces (count,) [N] of springs after the slip that led here; 0 in rows that are no half passes."""
+        rows, count = self.rows, self.rows.count
+        slot = rows.slot[:count]
+        start_slips(count, rows.packed.address, current - self.state.last_dt * self.velocity, current)
+        stiffness = rows.measure[:count] * shear_stiffness(self.law, self.stiffness[slot], rows.size[:count])
+        limit, _ = FrictionBound(*rows.bound[:, :count]).limits(self.multipliers[0, slot], rows.measure[:count])
+        wish = self.rubbed[slot] - stiffness * rows.slip[:count]
+        self.multipliers[1, slot[half]] = 0.0
+        return np.where(half, np.clip(wish, -limit, limit), 0.0)
+
+    def friction_work(self, mean_velocity: Floats, dt: float, compliance: Floats, force: Floats) -> tuple[float, float]:
+        """Work and dissipation of the tangential forces; see `contactlab.api.ContactEquations`."""
+        if not self.friction:
+            return 0.0, 0.0
+        self.rows.count = self.made
+        address = self.rows.packed.address
+        work, _ = tangential_work(self.made, address, self.multipliers, mean_velocity, dt, compliance, force)
+        slip, _ = slips(self.rows, len(self.share), compliance, force)
+        self._show()
+        return work, -float((self.share * self.multipliers[1]) @ slip)
+
+    @property
+    def stiffened(self) -> bool:
+        """Whether a slope of the last step is steeper than `rates` allowed for."""
+        self.rows.count = self.made
+        found = super().stiffened
+        self._show()
+        return found
 
 
 def shear_stiffness(law: NormalLaw, stiffness: Floats, size: Floats) -> Floats:

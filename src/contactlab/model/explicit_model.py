@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -35,7 +35,8 @@ class ExplicitModel(Model):
     def rates(self, stable: float) -> EffectRates:
         """Those of the effects, and of contact pressures."""
         rates = super().rates(stable)
-        return rates if self.contact is None else self.contact.rates(rates, stable)
+        more = 0.0 if self.contact is None else self.contact.rate(stable)
+        return replace(rates, square=rates.square + more) if more else rates
 
     def moved_back(self) -> None:
         """Take the displacement of a state that was restored as the start of the next step."""

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contactlab.api import Floats, Surface
+from contactlab.api import Enforcement, Floats, FrictionLaw, NormalLaw, Surface
 from contactlab.api.arrays import Flags
 from contactlab.api.surface import SurfacePositions
 from contactlab.contact.near_list import longest_segment
-from contactlab.errors import SceneError, below
+from contactlab.errors import PartError, SceneError, below
 from contactlab.meshing.inside import depths_inside
 from contactlab.meshing.mesh import outer_edges
 from contactlab.model.bodies.body import Body
+from contactlab.parts.registry import split_spec
 
 if TYPE_CHECKING:
     from contactlab.errors import Where
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 DEEP = 0.1  # segment lengths that a curved surface may cut into another without any overlap of the true shapes
 FACING = 64  # slave segments, from all over the surface, that are held against all of the master at a time
 ROUND = 1e-9  # relative
+LAWS = "linear-pressure, exponential-pressure, tabular-pressure"
 ALIKE = 0.5  # cosine of the angle between normals of sides that look the same way
 TOO_DEEP = 1.0  # segment lengths beyond which no treatment of an overlap is tried
 
@@ -226,3 +228,30 @@ def _middles(surface: Surface, positions: Floats) -> tuple[Floats, Floats]:
 
 def _longest(slave: Surface, master: Surface, positions: Floats) -> float:
     return longest_segment(SurfacePositions(positions[slave.nodes], positions[master.nodes]), slave, master)
+
+
+def refuse_half_passes(
+    spec: Any, enforcement: Enforcement, friction: FrictionLaw | None, rigid: str, where: Where
+) -> None:
+    """Raise PartError or SceneError for a contact that two half passes cannot be made of.
+
+    rigid  the name of a side that is rigid, or nothing
+    """
+    if not isinstance(enforcement, NormalLaw) or enforcement.named():
+        use = split_spec("enforcement", spec.enforcement, where)[0] if spec.enforcement else "the integrator's own"
+        raise PartError(
+            "two half passes press by a law of the gap: multipliers of both sides, or springs of single nodes, would "
+            "hold the same gap twice and leave the force on either side undetermined",
+            where=below(where, "enforcement"), got=use, allowed=LAWS, hint='write enforcement = "linear-pressure"',
+        )  # fmt: skip
+    if rigid:
+        raise SceneError(
+            "two half passes need two sides that deform: a rigid surface has no cells behind it that would press",
+            where=below(where, "algorithm"), got=f"passes = 2, with {rigid}", allowed="passes = 1 with a rigid side",
+        )  # fmt: skip
+    if friction is not None and friction.varies:
+        raise PartError(
+            "this friction law follows the motion, and friction of half passes is that of springs with constant bounds",
+            where=below(where, "friction"), got=spec.friction, allowed="a law without needs and memory, as coulomb",
+            hint="take passes = 1, or a mortar, for this law",
+        )  # fmt: skip

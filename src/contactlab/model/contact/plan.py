@@ -30,7 +30,7 @@ from contactlab.contact.sliding import rows_of
 from contactlab.errors import PartError, SceneError, below
 from contactlab.meshing.mesh import split_at_corners, surface_from_edges
 from contactlab.model.bodies.body import Body, positions_of
-from contactlab.model.contact.checks import JoinedStretches, check_facing, check_solid_side
+from contactlab.model.contact.checks import JoinedStretches, check_facing, check_solid_side, refuse_half_passes
 from contactlab.model.loading.edge_sets import edge_set
 
 if TYPE_CHECKING:
@@ -185,8 +185,6 @@ def _plan(
     exchanged: tuple[Surface, ...] = ()
     half_pass = algorithm.half_pass()
     if half_pass is not None:
-        from contactlab.model.contact.half_passes import refuse_half_passes
-
         stiff = ", ".join(name for name in (*slave, *master) if name in {surface.name for surface in rigid})
         refuse_half_passes(spec, enforcement, friction, stiff, where)
         algorithm, exchanged = half_pass, (split_at_corners(whole[1], positions, spec.corner), whole[0])

@@ -137,10 +137,10 @@ def _pressure_system(
         mass = around.mass
         densities = [sum(length_over_mass(side, reference, mass) for side in (p.slave, p.master)) for p in pairs]
         if half:
-            from contactlab.model.contact.half_passes import HalfPassContactSystem
+            from contactlab.contact.half_passes import HalfPassContactSystem
 
             return HalfPassContactSystem(pairs, store, state, densities)
-        from contactlab.model.contact.pressure_system import PressureContactSystem
+        from contactlab.contact.pressure_system import PressureContactSystem
 
         return PressureContactSystem(pairs, store, state, densities)
     system: ImplicitContactSystem

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from time import perf_counter
 
 import numpy as np
@@ -16,7 +15,6 @@ from contactlab.contact.pressure_memory import named
 from contactlab.contact.pressure_response import PressureStore
 from contactlab.kernels.contact.pair import FAR
 from contactlab.kernels.contact.rub import push, rub, start_slips
-from contactlab.model.loading.effect_rates import EffectRates
 
 AHEAD = 2.0  # steps for which the slope is bounded
 SPARE = 1.3  # times the slope for which steps are made: within it none has to be shortened
@@ -106,8 +104,8 @@ class PressureContactSystem(ConsistentContactSystem):
         half = 0.5 * self.state.last_dt * float(np.vdot(self.velocity, self.state["contact_force"]))
         return self.store.since_start() - half
 
-    def rates(self, others: EffectRates, step: float) -> EffectRates:
-        """Rates of the effects and of the law: its largest slope in the next steps, times lengths over masses.
+    def rate(self, step: float) -> float:
+        """Largest eigenvalue [1/s2] of the law: its largest slope in the next steps, times lengths over masses.
 
         A motion of the nodes (u, v) of both sides changes gaps by u - Pv, with weights P that add up to one; so the
         energy of slopes s is at most s times length over mass of each side, summed, times that of the masses.
@@ -128,7 +126,7 @@ class PressureContactSystem(ConsistentContactSystem):
                 steepest = max(steepest, float(-slope.min(initial=0.0)))
             self.allowed[number] = SPARE * steepest
         squares = self.allowed * self.densities
-        return replace(others, square=others.square + float(squares.sum() if self.shared else squares.max()))
+        return float(squares.sum() if self.shared else squares.max())
 
     def following(self, advance: Callable[[float], Step]) -> Callable[[float], Step]:
         """The function that makes steps, each of which a law with memory is told of before and after."""
@@ -156,7 +154,7 @@ class PressureContactSystem(ConsistentContactSystem):
 
     @property
     def stiffened(self) -> bool:
-        """Whether a slope of the last step is steeper than `rates` allowed for."""
+        """Whether a slope of the last step is steeper than `rate` allowed for."""
         slot, slope = self.rows.slot[: self.rows.count], self.slope[: self.rows.count]
         for pair, allowed in zip(self.passes, self.allowed, strict=True):
             own = (slot >= pair.first_slot) & (slot < pair.first_slot + pair.slots)
