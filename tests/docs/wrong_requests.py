@@ -27,12 +27,12 @@ PAGE = Path(__file__).parents[2] / "docs" / "troubleshooting.md"
 
 HEAD = """# Troubleshooting
 
-If a request is wrong you are told so before anything is run (exit status 2), with the file and the key or the part,
-what was got, what is allowed, and what to try. Here are thirty typical mistakes and the answers to them. The page
-is made by `python tests/docs/wrong_requests.py`, and a test compares it with what the program says.
+The program checks a request before it runs anything (exit status 2). Its message has the file and the key or the part,
+the given value, the allowed values, and what to try. This page has thirty typical mistakes with their messages. It is
+made by `python tests/docs/wrong_requests.py`, and a test compares it with the program.
 
-Runs that start and then fail are another matter: see [warnings](warnings.md). `contactlab doctor` tells you what is
-missing on your machine.
+For runs that start and then fail see [warnings](warnings.md). `contactlab doctor` lists what is missing on your
+machine.
 """
 
 
