@@ -34,7 +34,7 @@ class BarBetweenWalls(Case):
     swaps: ClassVar[bool] = False
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run, which ends in the middle of a flight."""
+        """Plan one run, which ends in the middle of a flight."""
         end = (self.impacts + 0.5) * FREE + self.impacts * 2.0 * LENGTH / SOUND - 0.5 * FREE
         walls = {"right": 0.5 * FREE + LENGTH, "left": -0.5 * FREE}
         contacts = [{"slave": f"bar0.{k}", "master": k, "algorithm": setup.algorithm} for k in walls]

@@ -1,4 +1,4 @@
-"""A block on an inclined plane: it slides as Coulomb says, or does not move at all."""
+"""A block on an inclined plane: it slides by Coulomb's law, or does not move at all."""
 
 from __future__ import annotations
 

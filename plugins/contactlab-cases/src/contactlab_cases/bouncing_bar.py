@@ -43,7 +43,7 @@ class BouncingBar(Case):
         )
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run without guards: in flight its waves of strain 0.6 move faster than sound, which stops any other."""
+        """Plan one run without guards: they would stop it, as waves of strain 0.6 move faster than sound in flight."""
         cells, explicit = self.cells * setup.level, setup.integrator == "central-difference"
         changes = {
             **setup.changes("bar"),

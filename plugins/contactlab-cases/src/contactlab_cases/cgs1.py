@@ -30,7 +30,7 @@ class Cgs1(Case):
     elements: ClassVar[tuple[str, ...]] = ("q1", "q2")
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One job: the cylinder pressed on the block."""
+        """Plan one job: the cylinder pressed on the block."""
         h = HALF_WIDTH / self.segments / setup.level
         return (disc_on_block(setup, RADIUS, (STEEL, ALUMINIUM), DEPTH, h, growth=1.0, zone=0.25),)
 

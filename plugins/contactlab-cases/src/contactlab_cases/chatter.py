@@ -116,7 +116,7 @@ class Chatter(Case):
         return {**worst, "mean force over the weight, less one": float(push[begin:end].mean()) / WEIGHT - 1.0}
 
     def _period(self, time: Floats, y: Floats, push: Floats, number: int) -> dict[str, float]:
-        """One flight, its landing and the rest after it, until it leaves again."""
+        """Measure one period: flight, landing and rest until the next flight."""
         leaves, flies, height = self.flight()
         begin = (number + 0.5) * PERIOD + leaves
         lands, again, on = begin + flies, begin + PERIOD, push > 0.0

@@ -1,4 +1,4 @@
-"""A disc on a block and what Hertz says of it: the scene, the closed form, and the numbers taken from a pressure.
+"""A disc on a block and Hertz's solution for it: the scene, the closed form, and the numbers taken from a pressure.
 
 The closed form is taken at the force that was measured, so that the compliance of the finite bodies plays no part.
 """

@@ -47,7 +47,7 @@ class CornerSlide(Case):
         return "a rigid surface cannot be the slave" if self.kink and setup.swap else ""
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run, until the slider has left or only until it reaches the edge; twice as slow on level 2."""
+        """Plan one run, until the slider has left or only until it reaches the edge; twice as slow on level 2."""
         slow = setup.level
         base = {
             **setup.changes(*(("slider",) if self.kink else ("slider", "base"))), "contacts.0.friction.mu": MU,

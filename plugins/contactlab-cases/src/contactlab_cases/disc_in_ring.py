@@ -37,7 +37,7 @@ class DiscInRing(Case):
     elements: ClassVar[tuple[str, ...]] = ("q1",)
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run."""
+        """Plan one run."""
         n = CELLS * setup.level
         around = 4 * round(self.ratio * n)
         meshes = {

@@ -19,7 +19,7 @@ from contactlab_cases.interface_waves import driven_wave, sliding_wave
 LENGTH, HEIGHT, END = 10.5, 2.5, 6.0  # mm, s
 PRESSURE, SPEED = 1e-5, 1e-6  # MPa, mm/s: slides by less than a ten-thousandth of a cell in all
 CELLS = 10  # in the wave, on the coarsest mesh
-DRIVEN, PUSH, TICK = 3.0, 3e-3, 0.05  # periods; largest shear over the pressure; that of the tick over it
+DRIVEN, PUSH, TICK = 3.0, 3e-3, 0.05  # periods; largest shear over the pressure; shear of the tick over it
 WAVE_NUMBER = 2.0 * math.pi  # 1/mm
 
 

@@ -1,9 +1,9 @@
 """A soft block that bounces until it rests, and one that is pressed and released many times.
 
-Forces of the mortar methods act along normals averaged on the slave. Beside a node that has been let go they lean, so
+Forces of the mortar methods act along normals averaged on the slave. Next to a released node they lean, so
 that they work on what slides there: energy may rise a little, by an amount of first order in the segment length.
-Node-on-segment takes the normal of the plane, and keeps the energy to round-off. Consistent forces never give any, and
-are asked for that; frozen ones promise nothing, so what they give is reported.
+Node-on-segment takes the normal of the plane, and keeps the energy to round-off. Consistent forces never add any,
+which is checked; frozen forces have no such bound, so the energy that they add is reported.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class DroppedBlock(Case):
     swaps: ClassVar[bool] = False
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One job, whose last fifth is taken as rest."""
+        """Plan one job, whose last fifth is taken as rest."""
         changes = {
             **setup.changes("block"), "bodies.block.mesh.cells": [5 * setup.level, 4 * setup.level],
             "bodies.block.shift": [0.0, self.fall], "contacts.0.enforcement": pushed(self.forces),
@@ -54,7 +54,7 @@ class DroppedBlock(Case):
         return (Job("dropped", "dropped-block", changes, ("contact-changes",), work=WORK),)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """Whether the block comes to rest, and the energy that contact has made."""
+        """Measure the block at rest, and the energy that contact has made."""
         return (
             near("force at rest", WEIGHT, 1e-3, "vibrations have died", "N"),
             _energy(f"{GAIN} over that of the fall", self.forces),
@@ -94,7 +94,7 @@ class PressedBlock(Case):
     swaps: ClassVar[bool] = False
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One job, whose last fifth is taken as rest."""
+        """Plan one job, whose last fifth is taken as rest."""
         points = _zigzag(self.cycles)
         top = {"on": "block.top", "ux": 0.0, "uy": {"ramp": "table", "to": -0.2, "points": points}}
         changes = {

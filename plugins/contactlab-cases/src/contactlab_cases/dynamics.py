@@ -1,4 +1,4 @@
-"""What the dynamic cases share: rates along a series, changes of momenta, and scenes of plain bars and blocks."""
+"""Helpers of the dynamic cases: rates along a series, changes of momenta, and scenes of plain bars and blocks."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def momentum_change(found: Mapping[str, Floats], scale: float) -> float:
 
 @dataclass(frozen=True)
 class ContactChanges(Watch):
-    """How many conditions opened or closed in every step, with the largest pull, the push, and energies."""
+    """Number of conditions that open or close in every step, with the largest pull, the push, and energies."""
 
     most: int = 40000
 

@@ -22,7 +22,7 @@ class ElasticPunch(Case):
     """Half width 1, height 4, on a block 20 x 20.
 
     contrast  of the moduli, punch over block
-    ratio     cells of the block under the punch over those of the punch
+    ratio     cells of the block under the punch over cells of the punch
     smallest  cells, at the corners of the punch
     """
 
@@ -39,7 +39,7 @@ class ElasticPunch(Case):
     proves: ClassVar[frozenset[str]] = frozenset({"singular pressure", "stiffness contrast"})
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run; half as many cells more on the block, so that nodes do not match."""
+        """Plan one run; the block has `ratio` times the punch's cells under it, so that nodes do not match."""
         growth, smallest = 1.0 + 0.2 / (1.0 + setup.level), self.smallest / setup.level
         inside, beside = (graded_count(length, smallest, growth) for length in (1.0, 9.0))
         down, up = (graded_count(length, smallest, growth) for length in (20.0, 4.0))

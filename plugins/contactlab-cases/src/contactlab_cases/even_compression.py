@@ -34,7 +34,7 @@ class EvenCompression(ReferenceSolution):
             return f"it is no scene of two layers: {type(error).__name__} {error}"
 
     def solution(self, scene: Mapping[str, Any]) -> Solution:
-        """One pressure over the common width."""
+        """Return a uniform pressure over the common width."""
         layers = _Layers(scene)
         left, right = layers.mesh("upper")["x"]
         pressure = layers.pressure()
@@ -44,7 +44,7 @@ class EvenCompression(ReferenceSolution):
 
 
 def _mismatches(scene: Mapping[str, Any]) -> Iterator[str]:
-    """What a scene has that two layers have not."""
+    """Yield reasons why a scene does not match two layers."""
     if len(scene["contacts"]) != 1 or len(scene["bodies"]) != 2 or scene.get("rigid"):
         yield "the scene has not two bodies with one contact"
     layers = _Layers(scene)
@@ -64,7 +64,7 @@ def _mismatches(scene: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _mismatches_of_a_body(layers: _Layers, role: str, name: str) -> Iterator[str]:
-    """What keeps a body from one strain along y."""
+    """Yield reasons why a body does not have a uniform strain along y."""
     if layers.mesh(role)["use"] != "rectangle" or len(layers.mesh(role)["x"]) != 2 or len(layers.mesh(role)["y"]) != 2:
         yield f"body {name} is no rectangle"
     if layers.bodies[name].get("rotate", 0.0):
@@ -112,7 +112,7 @@ class _Layers:
         return name in held or {f"{name}.left", f"{name}.right"} <= held
 
     def overlap(self) -> float:
-        """By how much the lower one's top stands above the upper one's bottom at the start [mm]."""
+        """Height of the lower body's top above the upper body's bottom at the start [mm]."""
         return float(
             self.mesh("lower")["y"][1] + self.shift("lower")[1] - self.mesh("upper")["y"][0] - self.shift("upper")[1]
         )
@@ -124,7 +124,7 @@ class _Layers:
         return float(top - bottom) * (1.0 + poisson) * (1.0 - 2.0 * poisson) / (1.0 - poisson) / young
 
     def pressure(self) -> float:
-        """Of the load, or of the approach [MPa]."""
+        """Pressure of the loads if there are any, else from the approach [MPa]."""
         if loads := self.scene.get("loads", ()):
             return sum(_value(load["pressure"]) for load in loads)
         moved = {s["on"]: _value(s.get("uy")) for s in self.scene["supports"] if "uy" in s}

@@ -38,7 +38,7 @@ class FewCells(Case):
     elements: ClassVar[tuple[str, ...]] = ("q1", "q2-lagrange", "q1-fbar")
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run."""
+        """Plan one run."""
         rows = {"upper": ([0.0, 1.0], self.upper), "lower": ([-1.0, 0.0], self.lower)}
         bodies = {
             name: {
@@ -60,7 +60,7 @@ class FewCells(Case):
         )  # fmt: skip
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """One strain in each block."""
+        """Compare with a uniform strain in each block."""
         why, told = "the strain is in the space of every element; strains themselves are 1e-6", ("kept-overlap",)
         return [
             error("pressure, largest difference", 1e-5, why, answer=self._answer(setup), codes=told),

@@ -33,7 +33,7 @@ class Block:
 
 @dataclass(frozen=True)
 class Flutter:
-    """What grows most, and the damping that stops all of it.
+    """Fastest growing mode, and the damping that stops all modes.
 
     growth     largest without damping, in time [1/s]
     frequency  circular, of the mode that grows most [1/s]
@@ -83,7 +83,7 @@ def flutter(block: Block, mu: float, fraction: float = 0.9) -> Flutter:
 
 
 def _assembled(block: Block) -> tuple[Floats, Floats, Floats]:
-    """Stiffness (2 n, 2 n), lumped masses (2 n,) and places (n, 2) of the nodes, those of the lower side first."""
+    """Stiffness (2 n, 2 n), lumped masses (2 n,) and places (n, 2) of the nodes, lower side first."""
     across, up = block.cells
     wide, high = block.sides[0] / across, block.sides[1] / up
     y, x = np.meshgrid(np.arange(up + 1) * high, np.arange(across + 1) * wide, indexing="ij")

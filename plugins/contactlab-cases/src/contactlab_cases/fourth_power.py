@@ -34,7 +34,7 @@ class FourthPower(Case):
     swaps: ClassVar[bool] = False
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run."""
+        """Plan one run."""
         h, cube = HALF / self.cells / setup.level, 4.0 * HALF**3 / SLOPE
         x = np.linspace(-3.0 * HALF, 3.0 * HALF, 401)
         line = np.stack([x + self.offset * h, x**4 / cube], axis=1).tolist()
@@ -44,7 +44,7 @@ class FourthPower(Case):
         """Bounds for 10 cells in the half-width, falling with them."""
         size = 10.0 / self.cells / setup.level
         return errors(
-            0.04 * size, 0.08 * size, "a root at the edge that 10 cells follow to 3 to 6 %, and P1 overshoots beside it"
+            0.04 * size, 0.08 * size, "a root at the edge that 10 cells follow to 3 to 6 %, and P1 overshoots at it"
         )
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:

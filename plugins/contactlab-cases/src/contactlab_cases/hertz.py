@@ -38,7 +38,7 @@ class Hertz(Case):
     margin: ClassVar[tuple[str, float] | None] = ("ratio", 10.0)
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One job: the cylinder pressed on the block."""
+        """Plan one job: the cylinder pressed on the block."""
         h, share = self.half_width / self.segments / setup.level, self.half_width / HALF_WIDTH
         depth = DEPTH * share**2 * math.log(8.0 / self.half_width) / math.log(8.0 / HALF_WIDTH)
         growth = 1.03 + 0.03 / setup.level

@@ -41,7 +41,7 @@ class InclinedLayers(Case):
 
     @property
     def slips(self) -> bool:
-        """Whether the interface gives way before the stress without slip is reached."""
+        """Return whether the interface slips before the stress without slip is reached."""
         return self._limit() < MOST
 
     def _limit(self) -> float:

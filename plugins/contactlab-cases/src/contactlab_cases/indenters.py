@@ -59,11 +59,11 @@ def pressure(x: Floats, b: float, rate: Function, begin: float = 0.0) -> Floats:
 
 
 def errors(peak: float, l2: float, why: str) -> list[Measure]:
-    """Of the pressure, and of the half-width in cells."""
+    """Return measures of errors of the pressure, and of the half-width in cells."""
     return [
         error("L2 of the pressure", l2, why),
         error("largest pressure", peak, why),
-        error("half-width in cells", 1.0, "nodes tell where contact ends by half a segment", "h"),
+        error("half-width in cells", 1.0, "nodes show the end of contact to half a segment", "h"),
         reported("cells in the half-width"),
     ]
 

@@ -32,7 +32,7 @@ def compliance(p: complex, modulus: float, side: float) -> NDArray[np.complex128
 
 
 def opening(p: complex, modulus: float, mu: float) -> complex:
-    """By how much the surfaces part under a wave of stresses that obey Coulomb's law: zero for waves that are free."""
+    """Opening of the surfaces under a wave of stresses that obey Coulomb's law: zero for free waves."""
     difference = compliance(p, 1.0, 1.0) - compliance(p, modulus, -1.0)
     return complex(difference[1, 1] - mu * difference[1, 0])
 
@@ -40,7 +40,7 @@ def opening(p: complex, modulus: float, mu: float) -> complex:
 def sliding_wave(modulus: float, mu: float) -> complex:
     """p of the wave that becomes the generalised Rayleigh wave as mu goes to zero: Newton's method, mu by mu.
 
-    Raises ArithmeticError where there is none: the materials are too unlike.
+    Raises ArithmeticError if there is no such wave: the materials are too unlike.
     """
     c = np.linspace(0.5, 0.9999, 400)
     values = np.array([opening(complex(0.0, -speed), modulus, 0.0).real for speed in c])

@@ -1,6 +1,6 @@
 """Shallow ironing: a stiff rounded block is pressed into a soft foundation and drawn along it.
 
-Geometry, laws and path are those of a benchmark of which six codes have published forces; there is no exact answer.
+Geometry, laws and path follow a benchmark for which six codes have published forces; there is no exact answer.
 They spread over 24 % (vertical, end of press), 25 % (vertical, half-way) and a factor 1.8 (horizontal, half-way).
 """
 
@@ -46,7 +46,7 @@ class Ironing(Case):
     proves: ClassVar[frozenset[str]] = frozenset({"friction", "large sliding", "large deformation"})
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run: down in a unit of time, along in another."""
+        """Plan one run: down in a unit of time, along in another."""
         law = {"use": "neo-hookean", "poisson": 0.32, "density": 1.0}
         level, slides = self.refined * setup.level, max(16, round(self.steps * self.slide))
         bodies = {

@@ -20,7 +20,7 @@ CELLS = 45  # along the longer leaf, at level 1: the shorter one does not end at
 
 @dataclass(frozen=True)
 class LeafSpring(Case):
-    """`length` of the lower leaf over that of the upper one; `stiff` modulus of the lower over the upper one.
+    """`length` of the lower leaf over the upper leaf's; `stiff` modulus of the lower over the upper leaf's.
 
     Cantilevers: deflections at l = length L agree, P l^2 (3 L - l)/6 - F l^3/3 = F l^3/(3 stiff).
     """
@@ -38,7 +38,7 @@ class LeafSpring(Case):
     elements: ClassVar[tuple[str, ...]] = ("q2", "q2-lagrange")
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run; cells of both leaves have unlike lengths."""
+        """Plan one run; cells of the leaves differ in length."""
         n, end = CELLS * setup.level, self.length * LENGTH
         upper = {"use": "rectangle", "x": [0.0, LENGTH], "y": [0.0, HEIGHT], "cells": [n, 1]}
         lower = {

@@ -19,7 +19,7 @@ SPAN = 30.0  # mm, of what is lifted at the default height
 
 @dataclass(frozen=True)
 class LiftedBeam(Case):
-    """`lift` of the end over that of a span of 30; `cells` in 30.
+    """`lift` of the end over the lift of a span of 30; `cells` in 30.
 
     E I v'''' = -w, v = v' = v'' = 0 where it leaves the floor and M = 0 at the end: v(L) = w L^4/(24 E I), and the
     force is w L/2. As much presses on the floor in one point where the beam leaves it.
@@ -39,7 +39,7 @@ class LiftedBeam(Case):
     swaps: ClassVar[bool] = False
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run: the weight is a dead load of the top."""
+        """Plan one run: the weight is a dead load of the top."""
         n = 2 * self.cells * setup.level
         mesh = {"use": "rectangle", "x": [-SPAN, SPAN], "y": [0.0, HEIGHT], "cells": [n, 1]}
         return (
@@ -60,7 +60,7 @@ class LiftedBeam(Case):
         return WEIGHT * span**4 / (2.0 * YOUNG * HEIGHT**3)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """The force is that of half of what is lifted."""
+        """The force is half of the lifted weight."""
         cell = 1.0 / self.cells / setup.level / self.lift**0.25
         return [
             error("force that lifts", 0.01 + 0.3 * cell, "shear, 1/900 of the deflection, and the place by a cell"),

@@ -68,7 +68,7 @@ class LongRun(Case):
         return (Job("swings", scene, watch=(watch,), work=1.1 * self.steps),)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """Nothing takes from the swing, and its phase is that of the scheme."""
+        """The amplitude does not decay, and the phase equals the scheme's own."""
         why = "the spring pulls on every node as its mass does: the block swings as one, but for round-off"
         return (
             error("amplitude in the last tenth", 1e-6, why),

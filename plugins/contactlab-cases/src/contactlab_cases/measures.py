@@ -1,4 +1,4 @@
-"""Measures of a contact's last pressure that every comparison tells."""
+"""Measures of a contact's last pressure that every comparison reports."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class ContactLength(RunMeasure):
     digits: ClassVar[int] = 4
 
     def evaluate(self, record: Record, contact: str, reference: Solution | None) -> float:
-        """Half of the two segments beside each pressed node, of its own chain; nan where no pressure is known."""
+        """Sum half of the two segments next to each pressed node, of its own chain; NaN if no pressure is known."""
         curve = record.curve(contact)
         if np.isnan(curve.nodal_pressure).all():
             return math.nan
@@ -35,7 +35,7 @@ class ContactLength(RunMeasure):
 
 @dataclass(frozen=True)
 class PressureCentre(RunMeasure):
-    """Where the resultant of the pressure acts: a shift tells of sliding, of friction, or of a lost symmetry."""
+    """Point where the resultant of the pressure acts: a shift shows sliding, friction, or a lost symmetry."""
 
     title: ClassVar[str] = "centre of pressure"
     unit: ClassVar[str] = "length"
@@ -43,7 +43,7 @@ class PressureCentre(RunMeasure):
     digits: ClassVar[int] = 3
 
     def evaluate(self, record: Record, contact: str, reference: Solution | None) -> float:
-        """Sum of x p over the sum of p; nan where nothing is pressed."""
+        """Return the sum of x p over the sum of p; NaN if nothing is pressed."""
         curve = record.curve(contact)
         pressed = _pressed(curve)
         total = float(curve.nodal_pressure[pressed].sum())
@@ -54,7 +54,7 @@ class PressureCentre(RunMeasure):
 
 @dataclass(frozen=True)
 class PeakError(RunMeasure):
-    """Largest pressure against that of the reference."""
+    """Largest pressure against the reference's."""
 
     title: ClassVar[str] = "error of the largest pressure"
     unit: ClassVar[str] = "share"
@@ -62,7 +62,7 @@ class PeakError(RunMeasure):
     digits: ClassVar[int] = 2
 
     def evaluate(self, record: Record, contact: str, reference: Solution | None) -> float:
-        """Of multipliers, as they are; nan without a reference or a pressure."""
+        """Compare unaveraged multipliers; NaN without a reference or a pressure."""
         if reference is None:
             return math.nan
         exact = float(np.max(reference.pressure, initial=0.0))

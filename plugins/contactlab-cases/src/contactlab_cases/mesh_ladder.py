@@ -58,7 +58,7 @@ class MeshLadder(Case):
             raise ValueError(f"varied: got {self.varied!r}, allowed: {', '.join(VARIED)}")
 
     def applies(self, setup: Setup) -> str:
-        """What varies does so on one rung, with linear edges; dear quadratic cells stand on the first rungs."""
+        """Allow variations on one rung with linear edges only, and costly quadratic cells on the first rungs."""
         if self.varied != "nothing" and self.ratio != 1.0 / 3.0:
             return "steps, damping and loads vary at 1:3, with either side as slave"
         if setup.element != "q1" and (self.varied != "nothing" or self.ratio not in self.axes["ratio"][:4]):

@@ -41,12 +41,12 @@ class MeshRatio(Case):
         )
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """Force, depth and pressure against those of matching meshes."""
+        """Compare force, depth and pressure with matching meshes."""
         fine_slave = (self.ratio > 1.0) == setup.swap
         why = "weak conditions on the fine side close the gap everywhere; on the coarse one only in the mean"
         deep = "penetration in short cells"
         return (
-            error("force against like meshes", 0.01, "depth is given, and compliance is that of the bodies"),
+            error("force against like meshes", 0.01, "depth is given, and compliance belongs to the bodies"),
             at_most(deep, 0.02, why) if fine_slave else reported(deep),
             reported("largest pressure"),
             reported("half-width in segments"),

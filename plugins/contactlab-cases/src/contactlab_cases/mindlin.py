@@ -1,7 +1,8 @@
 """Cattaneo and Mindlin: a cylinder that is pressed, pushed sideways, and pushed back to the other side.
 
 Both bodies are of the same material, so that normal and tangential problems are uncoupled. Shear follows the exact
-solution at the measured forces; on the way back that of the loading and twice that of what was taken off.
+solution at the measured forces; on the way back it is the shear of the loading less
+twice the shear at half the decrease of Q.
 """
 
 from __future__ import annotations
@@ -46,7 +47,7 @@ class Mindlin(Case):
     proves: ClassVar[frozenset[str]] = frozenset({"friction", "stick and slip"})
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run; sideways so far that Q is close to a half of mu P."""
+        """Plan one run; sideways so far that Q is close to a half of mu P."""
         shift = 2.6e-4 * self.mu / 0.3
         way = [[0.0, 0.0], [1.0, 0.0], [2.0, 1.0], [3.0, 0.0], [4.0, -1.0]]
         push = {

@@ -1,4 +1,4 @@
-"""What the cases of rings within rings share: the scene of a quarter, and the error of a curve around it."""
+"""Helpers of the cases of rings within rings: the scene of a quarter, and the error of a curve around it."""
 
 from __future__ import annotations
 

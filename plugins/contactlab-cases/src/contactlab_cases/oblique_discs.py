@@ -46,7 +46,7 @@ class ObliqueDiscs(Case):
     proves: ClassVar[frozenset[str]] = frozenset({"impact", "momentum", "energy", "friction"})
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One disc flies against one at rest."""
+        """Plan one run: a disc flies against a disc at rest."""
         cells, y = 8 * setup.level, self.aside * RADIUS
         x = -float(np.sqrt(4.0 * RADIUS**2 - y**2)) - 0.05 * RADIUS
         bodies = {

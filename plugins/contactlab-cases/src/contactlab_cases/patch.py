@@ -35,7 +35,7 @@ class Patch(Case):
     elements: ClassVar[tuple[str, ...]] = ("q1", "q2-lagrange", "q1-fbar")
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One job of a single load step."""
+        """Plan one job of a single load step."""
         angle = np.radians(self.turn)
         push = {"ux": float(DEPTH * np.sin(angle)), "uy": float(-DEPTH * np.cos(angle))}
         mesh = {"use": "rectangle", "x": [0.0, 1.0]}
@@ -56,7 +56,7 @@ class Patch(Case):
         )  # fmt: skip
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """Round-off; an algorithm that does not pass is told by how much."""
+        """Allow round-off; an algorithm that does not pass gets its error reported."""
         why = "uniform stress is in the space of every element: only round-off of a solve is left"
         exact = (error(name, 1e-10, why, codes=("kept-overlap",)) for name in ("displacement", "stress"))
         return *exact, reported("iterations")

@@ -17,8 +17,8 @@ WATCHES = (
 )
 MEASURES = (
     ("contact-length", "measures:ContactLength", "length of the surface that is pressed"),
-    ("pressure-centre", "measures:PressureCentre", "where the resultant of the pressure acts"),
-    ("peak-error", "measures:PeakError", "largest pressure against that of the reference"),
+    ("pressure-centre", "measures:PressureCentre", "point where the resultant of the pressure acts"),
+    ("peak-error", "measures:PeakError", "largest pressure against the reference's"),
 )
 REFERENCES = (("even-compression", "even_compression:EvenCompression", "two layers pressed evenly, exact"),)
 CASES = (

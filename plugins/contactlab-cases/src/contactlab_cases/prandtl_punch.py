@@ -66,18 +66,18 @@ class PrandtlPunch(Case):
         )  # fmt: skip
 
     def _edge(self, setup: Setup) -> tuple[float, float]:
-        """Size of the cells beside the edge [mm] and their growth; quadratic ones have a node in the middle."""
+        """Size of the cells next to the edge [mm] and their growth; quadratic ones have a node in the middle."""
         size, growth = 0.2 / self.cells / setup.level, GROWTH
         return (2.0 * size, growth**2) if setup.element == "q2" else (size, growth)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """A cell beside the edge carries what a punch wider by half of it would."""
+        """A cell next to the edge carries as much as a punch wider by half of the cell."""
         answer = Answer(LIMIT, origin=self.source)
         told = ("locking",)
         if setup.element == "q1":
             most = within("mean pressure over the limit, less one", -0.02, 0.02, "nothing locks", codes=told)
         else:
-            why = "no locking; the edge node carries for half a cell beside the punch, which is counted to the punch"
+            why = "no locking; the edge node carries for half a cell next to the punch, which is counted to the punch"
             most = error("mean pressure over the limit, less one", 0.02, why, answer=answer, codes=told)
         flat = "perfect plasticity: what is far away still gives a little; an element that locks rises by 5 %"
         return (
@@ -91,7 +91,7 @@ class PrandtlPunch(Case):
         """From the reaction of the punch; the contact reaches half a segment beyond the last node that is pressed."""
         record = only(done)
         force = record.history["block.bottom.fy"]
-        # the cell beside the edge flows with it, in the mean over half its width
+        # the cell next to the edge flows with it, in the mean over half its width
         pressure = abs(float(force[-1])) / (1.0 + 0.5 * self._edge(setup)[0])
         return {
             "mean pressure over the limit, less one": pressure / (LIMIT * YIELD) - 1.0,

@@ -57,7 +57,7 @@ class PulledBlock(Case):
         )  # fmt: skip
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """What sticks does not slip, and reactions follow from equilibrium alone."""
+        """Sticking nodes do not slip, and reactions follow from equilibrium alone."""
         return (
             at_most("slip of sticking nodes in segments", 1e-9, "round-off of positions"),
             at_most("reactions against unlimited friction", 1e-6, "equilibrium gives both components"),

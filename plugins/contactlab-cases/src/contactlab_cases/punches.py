@@ -7,9 +7,9 @@ from typing import Any
 from contactlab_cases.statics import graded_count
 
 EDGE = 4e-3
-"""Length of the cells beside an edge over the half-width of the punch."""
+"""Length of the cells next to an edge over the half-width of the punch."""
 GROWTH = 1.22
-"""Length of a cell over that of its neighbour nearer to the edge; 20 cells fill a half-width."""
+"""Length of a cell over its neighbour's, nearer to the edge; 20 cells fill a half-width."""
 
 
 def block_under_punch(half: float, far: float, depth: float, size: float, middle: float = 0.0) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""A layer on a block, pressed over a short length: contact recedes at once, to a length that no load changes."""
+"""A layer on a block, pressed over a short length: contact recedes immediately, to a length independent of the load."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class RecedingLayer(Case):
         )  # fmt: skip
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """What linear elasticity says of receding contact, and two discretisations of the length."""
+        """Compare with linear elasticity of receding contact, and the length between two meshes."""
         return [
             at_most("nodes that the load closes or opens", 0.0, "the extent of contact does not depend on the load"),
             error(
@@ -75,14 +75,14 @@ class RecedingLayer(Case):
                 "proportional but for strains of 1e-4 to 1e-3",
                 codes=("kept-overlap",),
             ),
-            error("length against the other mesh in cells", 1.5, "nodes tell it to a cell of either mesh"),
+            error("length against the other mesh in cells", 1.5, "nodes show it to a cell of either mesh"),
             error("resultant over the load, less one", 1e-6, "equilibrium"),
             reported("half-length over the thickness"),
             reported("largest pressure over the load"),
         ]
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Of the half x > 0."""
+        """Compare pressures, and the ends of contact at x > 0."""
         curves = {name: record.curve() for name, record in done.items()}
         one, more = curves["loaded"], curves["more"]
         ends = {}

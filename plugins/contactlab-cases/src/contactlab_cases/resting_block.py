@@ -34,7 +34,7 @@ class RestingBlock(Case):
     swaps: ClassVar[bool] = False
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One job of 200 steps, in which the block falls, at last at the speed g/damping, and comes to rest."""
+        """Plan one job of 200 steps, in which the block falls, at last at the speed g/damping, and comes to rest."""
         later = round(max(0.0, self.fall - LOW) * DAMPING / GRAVITY / STEP)
         block = strip((0.0, 2.0), (0.0, 1.0), [4 * setup.level, 2 * setup.level], shift=[0.0, self.fall])
         scene = {
@@ -50,7 +50,7 @@ class RestingBlock(Case):
         return (Job("dropped", scene, watch=(series("energy", "force.block.y", "displacement.block.y"),), work=WORK),)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """Whether the block comes to rest, and the energy that contact has made."""
+        """Measure the block at rest, and the energy that contact has made."""
         return (
             invariant("largest rise of energy in a step", 1e-9, "damping and contact only take"),
             error("reaction at rest", 0.001, "vibrations have died"),

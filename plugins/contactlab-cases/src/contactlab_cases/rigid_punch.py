@@ -14,7 +14,7 @@ from contactlab_cases.circles import only
 from contactlab_cases.punches import block_under_punch
 from contactlab_cases.statics import force_of, iterations, l2_error, ordered, static_job
 
-MOST = 150  # iterations: mortars need three, and those of nodes on segments go round at the corners of the punch
+MOST = 150  # iterations: mortars need three, and node-on-segment cycles at the corners of the punch
 
 
 @dataclass(frozen=True)
@@ -37,12 +37,12 @@ class RigidPunch(Case):
     swaps: ClassVar[bool] = False
 
     def applies(self, setup: Setup) -> str:
-        """What the material must not matter for is seen on one mesh."""
+        """Allow other materials on one mesh only, which is enough to show that they do not matter."""
         other = self.poisson != RigidPunch.poisson and self.cells != RigidPunch.cells
         return "other materials are put to one mesh" if other else super().applies(setup)
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One job: the rigid punch pressed into the block."""
+        """Plan one job: the rigid punch pressed into the block."""
         mesh = block_under_punch(1.0, 10.0, 20.0, self._size(setup))
         line = [[-1.0, 1.0], [-1.0, 0.0], [1.0, 0.0], [1.0, 1.0]]
         job = static_job(
@@ -54,7 +54,7 @@ class RigidPunch(Case):
         return (replace(job, work=MOST),)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """A single nodal force makes the multipliers beside it negative by 24 (P0) and 46 % (P1) of its own."""
+        """A single nodal force makes the multipliers next to it negative by 24 (P0) and 46 % (P1) of its own."""
         size = self._size(setup)
         most = 0.24 if setup.algorithm == "mortar-p0" else 0.46
         return (
@@ -64,7 +64,7 @@ class RigidPunch(Case):
                 "cells are graded to the edges: 0.3 to 0.45 % is left",
             ),
             error("pressure in the middle", min(0.005, 0.02 * size), "a block of ten half-widths is no half-plane"),
-            at_most("undershoot over the largest pressure", most, "what a single nodal force makes beside itself"),
+            at_most("undershoot over the largest pressure", most, "caused by a single nodal force at its neighbours"),
             reported("iterations"),
         )
 

@@ -81,7 +81,7 @@ class TwoRings:
 def shrunk_rings(radii: Sequence[tuple[float, float]], moduli: Sequence[Moduli], overlaps: Sequence[float]) -> Floats:
     """Pressures (k,) [MPa] between rings from the inside out whose radii overlap by `overlaps` (k,) [mm].
 
-    Radii are those of the fitted rings: radii[i][1] == radii[i + 1][0].
+    Radii describe the fitted rings: radii[i][1] == radii[i + 1][0].
     """
 
     def moved(ring: int, r: float, inside: float, outside: float) -> float:

@@ -1,8 +1,8 @@
-"""A slender block that rocks on its base without slip, and what speed an impact of the base leaves it.
+"""A slender block that rocks on its base without slip, and its speed after an impact of the base.
 
 A base of one cell touches at its corners alone, as Housner's rigid block: momentum about the new corner is kept, with
 the moment of inertia that lumped masses have. Nodes between the corners stop at an impact, too, and push the block up:
-the ratio of a finer mesh is larger, as that of an elastic block is, and reported beside the change from half as many
+the ratio of a finer mesh is larger, as for an elastic block, and reported with the change from half as many
 cells. It changes by less and less, but slowly: a corner on a floor gives the more the finer its cells are. Vibrations
 are damped, so that the block is rigid between impacts.
 """
@@ -53,7 +53,7 @@ class RockingBlock(Case):
         return super().applies(setup)
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run from rest, leaning on the right corner; on fine meshes another on half as many cells."""
+        """Plan a run from rest, leaning on the right corner; on fine meshes another on half as many cells."""
         n = self.cells * setup.level
         return (self._job("rocks", n, setup), *((self._job("coarser", n // 2, setup),) if n >= FINE else ()))
 
@@ -81,7 +81,7 @@ class RockingBlock(Case):
         return Job(name, scene, watch=(series(*names, most=8000 * n),), work=WORK * n)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """The speed that is left is exact where corners alone touch."""
+        """The remaining speed is exact if only corners touch."""
         name = "speed left by an impact less that of lumped masses"
         why = "the corner gives by 1e-4 of the base, and leaves it in small bounces at first"
         n = self.cells * setup.level
@@ -97,7 +97,7 @@ class RockingBlock(Case):
         )
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Speeds from the heights of the centre; energies over that of the fall."""
+        """Find speeds from the heights of the centre; energies over the energy of the fall."""
         found, n = table(done["rocks"]), self.cells * setup.level
         ratio = self._ratio(found)
         inertia = B**2 * (1.0 / 3.0 + 2.0 / (3.0 * n**2)) + H**2 * (1.0 / 3.0 + 2.0 / (3.0 * (4 * n) ** 2))
@@ -121,5 +121,5 @@ class RockingBlock(Case):
 
     @staticmethod
     def _height(angle: float) -> float:
-        """Of the centre over where it lies with the base on the floor, in half-diagonals."""
+        """Height of the centre over its place with the base on the floor, in half-diagonals."""
         return math.cos(LEAN - angle) - math.cos(LEAN)

@@ -88,7 +88,7 @@ class RollingDisc(Case):
         )
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """The speed of the last third of the time; impulses until a half of the sliding is over."""
+        """Find the speed of the last third of the time; impulses during the first half of the sliding."""
         found = table(done["thrown"])
         rolls, speed = self._rolls
         time, v = found["time"], found["velocity.disc.x"]

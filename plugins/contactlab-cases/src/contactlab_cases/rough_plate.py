@@ -39,7 +39,7 @@ class RoughPlate(Case):
     margin: ClassVar[tuple[str, float] | None] = ("mu", 1000.0)
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One job: the plate pressed and sheared on the rough plane."""
+        """Plan one job: the plate pressed and sheared on the rough plane."""
         cells = self.cells * setup.level
         mesh = {"use": "rectangle", "x": [0.0, 0.04], "y": [0.0, 0.04], "cells": [cells, cells]}
         job = (
@@ -56,7 +56,7 @@ class RoughPlate(Case):
                 fields=True,
             )
         )  # fmt: skip
-        # going round in circles takes long before it is told
+        # cycles of contact states take long before they are detected
         return (replace(job, work=8 * WORK) if self.ill_posed(setup) else job,)
 
     def ill_posed(self, setup: Setup) -> str:

@@ -17,7 +17,7 @@ HALF = 0.02  # mm, of the contact, about
 
 @dataclass(frozen=True)
 class RoundedPunch(Case):
-    """`flat` half-width over that of the contact; `cells` in the latter. F(c) = c^2 (pi/2 - t - sin t cos t)/(2 R)
+    """`flat` half-width over the contact's; `cells` in the latter. F(c) = c^2 (pi/2 - t - sin t cos t)/(2 R)
     with sin t = a/c, and F'(c) = c acos(a/c)/R."""
 
     flat: float = 0.6
@@ -35,7 +35,7 @@ class RoundedPunch(Case):
 
     @property
     def radius(self) -> float:
-        """Of the edges [mm]: slopes of 5e-4 where contact ends."""
+        """Radius of the edges [mm]: slopes of 5e-4 where contact ends."""
         return (1.0 - self.flat) * HALF / 5e-4
 
     def total(self, c: Floats) -> Floats:
@@ -44,7 +44,7 @@ class RoundedPunch(Case):
         return np.asarray(0.5 * c**2 / self.radius * (0.5 * np.pi - t - np.sin(t) * np.cos(t)))
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run."""
+        """Plan one run."""
         a = self.flat * HALF
         right = [[x, 0.5 * (x - a) ** 2 / self.radius] for x in np.linspace(a, 3.0 * HALF, 200).tolist()]
         line = [[-x, y] for x, y in right[::-1]] + right

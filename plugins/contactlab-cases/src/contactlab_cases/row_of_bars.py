@@ -32,7 +32,7 @@ class RowOfBars(Case):
     proves: ClassVar[frozenset[str]] = frozenset({"impact", "momentum", "energy"})
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run at Courant number 1, until the pulse has passed."""
+        """Plan one run at Courant number 1, until the pulse has passed."""
         names = [f"velocity.bar{k}.x" for k in range(self.bars + 1)]
         speeds, densities = [1.0] + self.bars * [0.0], (self.bars + 1) * [1.0]
         end = (self.bars + 2.0) * LENGTH / SOUND

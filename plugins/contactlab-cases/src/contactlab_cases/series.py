@@ -12,7 +12,7 @@ import numpy as np
 
 from contactlab.api import Floats, Memory, Record, StepView, Watch
 
-# --- what can be asked for: the name of a quantity, and what it is of ------------------------------
+# --- what can be requested: the name of a quantity, and what it is of ------------------------------
 
 
 def mean(view: StepView, field: Floats, body: str) -> Floats:
@@ -60,7 +60,7 @@ _AXES = {"x": 0, "y": 1}
 
 @cache
 def quantity(name: str) -> Callable[[StepView], float]:
-    """What is found at a step: one of the plain names, or `WHAT.BODY.AXIS` for a mean over a body (velocity,
+    """Return the function of a step for a plain name, `WHAT.BODY.AXIS` for a mean over a body (velocity,
     displacement, position), `force.BODY.AXIS` for the contact force on it, `tilt.BODY`. Raises ValueError."""
     if name in _PLAIN:
         return _PLAIN[name]
@@ -124,7 +124,7 @@ def series(*quantities: str, **fields: Any) -> dict[str, Any]:
 
 
 def table(record: Record, name: str = "series") -> Mapping[str, Floats]:
-    """What a series found. Raises LookupError where it did not have room for all."""
+    """Return the rows of a series. Raises LookupError if it did not have room for all."""
     found = record.watched[name]
     if found["left out"][0]:
         raise LookupError(f"{found['left out'][0]:.0f} rows of the series {name} are left out: give it more room")

@@ -24,8 +24,8 @@ class ShrinkFit(Case):
     """Pressure of an interference.
 
     interference  of the radii, over the radius
-    ratio         cells along the outer ring's inner edge over those of the inner ring's outer one
-    stiff         modulus of the inner ring over that of the outer one
+    ratio         cells along the outer ring's inner edge over cells along the inner ring's outer edge
+    stiff         modulus of the inner ring over the outer ring's
     """
 
     interference: float = 1e-3
@@ -42,7 +42,7 @@ class ShrinkFit(Case):
     elements: ClassVar[tuple[str, ...]] = ("q1",)
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run that pushes the overlap out."""
+        """Plan one run that pushes the overlap out."""
         (a, b, c), n = RADII, CELLS * setup.level
         radii = {"inner": [a, b * (1.0 + self.interference)], "outer": [b, c]}
         counts = {"inner": n, "outer": round(n * self.ratio)}

@@ -19,7 +19,7 @@ LESS, MORE = 0.8, 1.25  # of the damping that theory asks for
 
 
 def block(level: int) -> Block:
-    """That of the scene `block-on-incline`."""
+    """Return the block of the scene `block-on-incline`."""
     return Block((10.0, 5.0), (8 * level, 4 * level), young=100.0, poisson=0.3, density=7.8e-9)
 
 
@@ -47,7 +47,7 @@ class SlidingFlutter(Case):
             raise ValueError(f"mu: got {self.mu}, allowed: above 0 and below 0.36, where the block slides")
 
     def theory(self, setup: Setup) -> Flutter:
-        """Of the block on its mesh, from an assembly of its own."""
+        """Return the flutter of the block on its mesh, from an assembly of its own."""
         return flutter(block(setup.level), self.mu)
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:

@@ -83,7 +83,7 @@ class SlidingPunch(Case):
             error("L2 of the pressure over 0.8 of the contact", 0.005, why),
             error("pressure at 0.5 a over that at -0.5 a", 0.005, why),
             error("shear over mu p, largest difference", 1e-6, "all of it slides: Newton's tolerance"),
-            at_most("undershoot over the largest pressure", 0.46, "what a single nodal force makes beside itself"),
+            at_most("undershoot over the largest pressure", 0.46, "caused by a single nodal force at its neighbours"),
             reported("sideways force over mu P"),
         ]
 

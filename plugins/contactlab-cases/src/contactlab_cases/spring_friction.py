@@ -45,11 +45,11 @@ class SpringFriction(Case):
         return self.mu * GRAVITY * (PERIOD / (2.0 * math.pi)) ** 2
 
     def _turns(self) -> list[float]:
-        """Where the block turns back [mm]; it stays at the last one."""
+        """Places where the block turns back [mm]; it stays at the last one."""
         return [(-1) ** k * (2.0 * (self.swings - k) - 1.5) * self._d for k in range(self.swings)]
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """Thrown from rest of the spring; the weight is there at once, on a block that stands already."""
+        """Plan one run: thrown from the spring's rest, with its full weight from the start."""
         w = 2.0 * math.pi / PERIOD
         speed = w * math.sqrt((self._turns()[0] + self._d) ** 2 - self._d**2)
         n = 5 * setup.level
@@ -75,8 +75,8 @@ class SpringFriction(Case):
         return (Job("thrown", scene, watch=(series("time", "displacement.block.x", every=2),), work=WORK),)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """The weight is there at once: the block bounces a little on its own stiffness, and the mean carries."""
-        why = "a weight that is there at once makes the pressure swing, whose mean is right"
+        """The weight acts suddenly: the block bounces a little on its own stiffness, and the mean carries."""
+        why = "a sudden weight makes the pressure oscillate about the right mean"
         return (
             error("first turning point", 0.03, why),
             error("place where it stays, over d", 0.15, f"half of what {self.swings} swings add up to; {why}"),

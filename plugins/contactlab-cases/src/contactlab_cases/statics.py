@@ -1,4 +1,4 @@
-"""What the static cases share: scenes, meshes, curves by increasing x, and errors of pressures."""
+"""Helpers of the static cases: scenes, meshes, curves by increasing x, and errors of pressures."""
 
 from __future__ import annotations
 

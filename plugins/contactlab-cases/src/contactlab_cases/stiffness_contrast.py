@@ -31,7 +31,7 @@ class StiffnessContrast(Case):
     margin: ClassVar[tuple[str, float] | None] = ("contrast", 1e9)
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One job: two bodies of unlike stiffness pressed together."""
+        """Plan one job: two bodies of unlike stiffness pressed together."""
         h = HALF_WIDTH / self.segments / setup.level
         return (disc_on_block(setup, RADIUS, (self.contrast * SOFT, SOFT), 8e-4, h, self.ratio, growth=1.04),)
 

@@ -2,8 +2,9 @@
 
 All loads grow together, so that nothing slips where |q| < mu p holds in the end. With the finer side as slave
 multipliers follow the kinks of the coarser one's displacements (`two_rings.py`): what the coarser side carries has
-none of that. At the planes of symmetry normals are those of one segment: they lean by half of its turn, so that a part
-of the pressure shows as shear at the last node. The shear is therefore compared away from them, and told to the ends.
+no such kinks. At the planes of symmetry normals belong to one segment: they lean by half of its turn, so that a part
+of the pressure shows as shear at the last node. The shear is therefore compared away from them, and reported to the
+ends.
 """
 
 from __future__ import annotations
@@ -30,9 +31,9 @@ ITERATIONS = 150  # of a run: the finer side as slave takes 90 where friction is
 class StuckRings(Case):
     """Tractions between two rings under the pressure 1 + wave cos 2t.
 
-    ratio  cells along the outer ring's inner edge over those of the inner ring's outer one
+    ratio  cells along the outer ring's inner edge over cells along the inner ring's outer edge
     wave   amplitude of cos 2t over the mean
-    stiff  modulus of the inner ring over that of the outer one
+    stiff  modulus of the inner ring over the outer ring's
     mu     of Coulomb's law, more than any |q|/p
     """
 

@@ -34,7 +34,7 @@ class TaylorBar(Case):
     swaps: ClassVar[bool] = False
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One job: the first 80 microseconds of the impact."""
+        """Plan one job: the first 80 microseconds of the impact."""
         cells = self.cells * setup.level
         law = {
             "use": "linear-hardening", "young": 117000.0, "poisson": 0.35, "density": DENSITY,

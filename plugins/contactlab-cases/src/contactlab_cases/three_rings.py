@@ -20,7 +20,7 @@ CELLS = 24  # on a quarter, at level 1
 
 @dataclass(frozen=True)
 class ThreeRings(Case):
-    """`interference` of both joints over their radii; `stiff` is the middle ring's modulus over that of the others."""
+    """`interference` of both joints over their radii; `stiff` is the middle ring's modulus over the others'."""
 
     interference: float = 1e-4
     stiff: float = 1.0
@@ -35,7 +35,7 @@ class ThreeRings(Case):
     elements: ClassVar[tuple[str, ...]] = ("q1",)
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run: each ring is larger outside than the next one's hole."""
+        """Plan one run: each ring is larger outside than the next ring's hole."""
         n = CELLS * setup.level
         radii = [(ri, ro * (1.0 + self.interference)) for ri, ro in RADII[:2]] + [RADII[2]]
         return (nested_rings(setup, radii, (n, n, n), self._moduli(), {"start": {"overlap": "ramp"}}),)

@@ -40,7 +40,7 @@ class TiltedPunch(Case):
     swaps: ClassVar[bool] = False
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run: the punch is low on its right."""
+        """Plan one run: the punch is low on its right."""
         a, high = HALF, 2.0 * HALF * self.slope
         line = [[-a, high], [a, 0.0]]
         force = self.load * 0.5 * np.pi * MODULUS * self.slope * a
@@ -56,7 +56,7 @@ class TiltedPunch(Case):
             error("where the high edge lifts off in cells", 1.0, "nodes tell it to a cell")
             if self.load < 1.0
             else reported("where the high edge lifts off in cells"),
-            at_most("undershoot over the largest pressure", 0.46, "what a single nodal force makes beside itself"),
+            at_most("undershoot over the largest pressure", 0.46, "caused by a single nodal force at its neighbours"),
             reported("load over that of lift-off"),
         ]
 

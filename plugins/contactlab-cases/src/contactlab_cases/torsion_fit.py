@@ -1,6 +1,6 @@
 """A ring that is pressed onto another and turned by a shear on its outside: torque, twist and traction are exact.
 
-No moment is lost on the way: the shear between the rings is that of the outside times (c/b)^2, and nothing slips where
+No moment is lost on the way: the shear between the rings is the outside's times (c/b)^2, and nothing slips where
 it is below mu p. A closed curve is no chain of slaves: the slave is cut in two halves, and where they meet two
 conditions hold one node, which share its traction as they like. Tractions are compared away from there.
 """
@@ -31,7 +31,7 @@ class TorsionFit(Case):
     """A pressure of 1 MPa and a shear on the outside; the hole of the inner ring is held.
 
     load   shear between the rings over mu times the pressure there: all of it slips from 1 on
-    ratio  cells of the outer ring's hole over those of the inner ring's edge
+    ratio  cells of the outer ring's hole over cells of the inner ring's edge
     mu     of Coulomb's law
     """
 
@@ -82,7 +82,7 @@ class TorsionFit(Case):
         return (job,)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """What the coarser side carries; the twist is that of both rings as one."""
+        """Compare what the coarser side carries; the twist is as for both rings joined."""
         n = min(self._cells(setup))
         why = f"bilinear rings of {n} cells a quarter, h^2"
         size = (12.0 / n) ** 2

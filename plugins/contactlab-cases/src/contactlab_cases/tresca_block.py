@@ -1,4 +1,4 @@
-"""The paper's second test: a block on a rigid plane with Tresca friction, beside another code and finer meshes."""
+"""The paper's second test: a block on a rigid plane with Tresca friction, against another code and finer meshes."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class TrescaBlock(Case):
     swaps: ClassVar[bool] = False
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One job: the bundled scene."""
+        """Plan one job: the bundled scene."""
         changes = {
             **setup.changes("block"), "contacts.0.swap": False, "contacts.0.friction.where": self.where,
             "level": self.segments // 26 * setup.level,
@@ -60,7 +60,7 @@ class TrescaBlock(Case):
         answer = Answer(0.5 * (least + most), "other-code", (most - least) / least, "independent active-set code")
         return (
             Number(
-                "last closed node", "mm", "error", least - h, most + h, "one segment beside the other code's",
+                "last closed node", "mm", "error", least - h, most + h, "one segment next to the other code's",
                 answer=answer,
             ),
             error("lift of the free corner", 3.2 * h, "falls with the segment length", answer=lift),

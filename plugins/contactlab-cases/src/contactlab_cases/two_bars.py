@@ -32,7 +32,7 @@ class TwoBars(Case):
     proves: ClassVar[frozenset[str]] = frozenset({"impact", "momentum", "energy"})
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One job at Courant number 1."""
+        """Plan one job at Courant number 1."""
         cells = self.cells * setup.level
         height, step = 20.0 / cells, LENGTH / cells / SOUND
         long = {
@@ -62,7 +62,7 @@ class TwoBars(Case):
         )
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Compare forces and times with those of elastic waves in bars."""
+        """Compare forces and times with elastic waves in bars."""
         cells = self.cells * setup.level
         height, step = 20.0 / cells, LENGTH / cells / SOUND
         energy, found = table(done["hit"], "bars"), table(done["hit"])

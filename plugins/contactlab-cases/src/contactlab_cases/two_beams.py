@@ -33,7 +33,7 @@ class TwoBeams(Case):
     proves: ClassVar[frozenset[str]] = frozenset({"impact"})
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One job: one beam hits the other."""
+        """Plan one job: one beam hits the other."""
         cells, steps = self.cells * setup.level, self.steps * setup.level
         free = strip((0.0, 1.0), (0.0, 0.01), [cells, 1], velocity=[-1.0, 0.0], shift=[1e-5, 0.0])
         scene = {
@@ -48,7 +48,7 @@ class TwoBeams(Case):
             ],
             "supports": [{"on": "free", "uy": 0.0}, {"on": "clamped", "uy": 0.0}, {"on": "clamped.left", "ux": 0.0}],
         }  # fmt: skip
-        watch = {"use": "tip", "side": "master" if setup.swap else "slave"}  # the struck end is that of the free beam
+        watch = {"use": "tip", "side": "master" if setup.swap else "slave"}  # the struck end belongs to the free beam
         return (Job("hit", scene, watch=(watch,), work=WORK),)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:

@@ -28,9 +28,9 @@ SIZES = {"coarse": 4, "fine": 8}
 class RingsPressed(Case):
     """Pressure between two rings.
 
-    ratio  cells along the outer ring's inner edge over those of the inner ring's outer one
+    ratio  cells along the outer ring's inner edge over cells along the inner ring's outer edge
     wave   amplitude of cos 2t in the outer pressure, over its mean
-    stiff  modulus of the inner ring over that of the outer one
+    stiff  modulus of the inner ring over the outer ring's
     mean   outer pressure [MPa]: strains of 1e-5, so that geometry adds as little
     """
 

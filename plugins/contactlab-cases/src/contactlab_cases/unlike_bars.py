@@ -17,7 +17,7 @@ from contactlab_cases.series import table
 
 @dataclass(frozen=True)
 class UnlikeBars(Case):
-    """`impedance` of the struck bar over that of the striking one; `cells` along each."""
+    """`impedance` of the struck bar over the striking bar's; `cells` along each."""
 
     impedance: float = 4.0
     cells: int = 50
@@ -31,7 +31,7 @@ class UnlikeBars(Case):
     proves: ClassVar[frozenset[str]] = frozenset({"impact", "momentum", "energy"})
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run at Courant number 1."""
+        """Plan one run at Courant number 1."""
         momenta = ("momentum.x", "momentum.y", "velocity.bar0.x", "velocity.bar1.x")
         return (bars_job(setup, self.cells * setup.level, (1.0, 0.0), (1.0, self.impedance), 10.0, 1.2, momenta),)
 
@@ -50,7 +50,7 @@ class UnlikeBars(Case):
         )
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Forces and times against those of elastic waves."""
+        """Compare forces and times with elastic waves."""
         energy, found = table(done["hit"], "bars"), table(done["hit"])
         active = np.flatnonzero(energy["force"] / HEIGHT > 0.1)
         start = start_energy((1.0, 0.0), (1.0, self.impedance))

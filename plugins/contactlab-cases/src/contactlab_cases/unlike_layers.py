@@ -50,7 +50,7 @@ class UnlikeLayers(Case):
         return "the shorter a wave, the faster it grows" if self.mu > 0.0 else ""
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """Of second order in the cells of a wave; without friction nothing may grow."""
+        """Require errors of second order in the cells of a wave; without friction nothing may grow."""
         why = "ten cells a wave on the coarser mesh: 0.8 % of its speed"
         bounds = [
             error(f"{what} of the driven wave, cells {name}", most / (n * setup.level) ** 2, why, order=2.0)

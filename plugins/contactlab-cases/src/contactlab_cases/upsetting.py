@@ -19,7 +19,7 @@ WIDTH, HEIGHT, YOUNG, YIELD = 10.0, 15.0, 2e5, 200.0  # mm, of a quarter; MPa
 
 @dataclass(frozen=True)
 class Upsetting(Case):
-    """`height` at the end over that of the start; `hardening` modulus [MPa]; `cells` across the quarter.
+    """`height` at the end over the initial height; `hardening` modulus [MPa]; `cells` across the quarter.
 
     The log strain e = ln(1/height) is but for an elastic part plastic, 2 e/sqrt(3), and the stress 2/sqrt(3) times that
     of the law.

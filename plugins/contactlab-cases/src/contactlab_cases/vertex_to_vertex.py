@@ -18,8 +18,8 @@ END, SPEED, MASS = 1e-4, 5000.0, 2.7e-9 * 100.0
 
 @dataclass(frozen=True)
 class VertexToVertex(Case):
-    """`offset` of the corners in segments: aligned ones stay a mirror image of themselves, those that miss mirror those
-    that miss the other way."""
+    """`offset` of the corners in segments: an aligned pair stays its own mirror image, an offset pair mirrors the
+    pair with the opposite offset."""
 
     offset: float = 0.0
     cells: int = 10
@@ -34,7 +34,7 @@ class VertexToVertex(Case):
     proves: ClassVar[frozenset[str]] = frozenset({"symmetry", "momentum", "corners"})
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One job, or one for each choice of the slave."""
+        """Plan one job if corners are aligned, else one for each sign of the offset."""
         ways = (1.0, -1.0) if self.offset else (1.0,)
         return tuple(self._job(setup, way * self.offset, "right" if way > 0.0 else "left") for way in ways)
 
@@ -62,7 +62,7 @@ class VertexToVertex(Case):
         )
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """One fall against itself, or against the one the other way."""
+        """Compare the fall with its own mirror image, or with the fall of opposite offset."""
         segment = 10.0 / (self.cells * setup.level)
         first = done["right"]
         other = done.get("left", first)

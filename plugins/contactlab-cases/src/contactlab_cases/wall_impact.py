@@ -36,7 +36,7 @@ class WallImpact(Case):
     margin: ClassVar[tuple[str, float] | None] = ("courant", 20.0)
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One job: the bar hits the wall and leaves it."""
+        """Plan one job: the bar hits the wall and leaves it."""
         cells = self.cells * setup.level
         dt = self.courant * LENGTH / cells / SOUND
         arrival = (round(0.5 / dt) - self.phase) * dt

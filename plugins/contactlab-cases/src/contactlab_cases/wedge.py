@@ -41,7 +41,7 @@ class BluntWedge(Case):
     swaps: ClassVar[bool] = False
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run: the wedge comes down."""
+        """Plan one run: the wedge comes down."""
         h, far = self._cell(setup.level), 0.5 * SIZE
         apex = self.offset * h
         line = [[apex - far, far * self.slope], [apex, 0.0], [apex + far, far * self.slope]]

@@ -24,7 +24,7 @@ POINTS = 400  # of the rigid line on half a wave: its facets are 2e-6 of the amp
 class Westergaard(Case):
     """Pressure under a rigid wave.
 
-    load       mean pressure over that of full contact, about: it is reached through a displacement, and measured
+    load       mean pressure over the full contact pressure, about: it is reached through a displacement, and measured
     amplitude  of the wave [mm]: strains of 1e-4, or of 1e-6, under which gaps are small against segments
     """
 
@@ -45,7 +45,7 @@ class Westergaard(Case):
     swaps: ClassVar[bool] = False
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run: the wave comes down, or the half plane's foot comes up, by what the mean pressure needs."""
+        """Plan one run: the wave comes down, or the half plane's foot comes up, by what the mean pressure needs."""
         half, n = 0.5 * LENGTH, CELLS * setup.level
         x = np.linspace(-0.1 * half, 1.1 * half, POINTS + 1)
         line = [[float(v), float(self.amplitude * (1.0 - np.cos(2.0 * np.pi * v / LENGTH)))] for v in x]
