@@ -17,7 +17,7 @@ from contactlab.api.compiled.kernel import kernel, section
 from contactlab_dynamics.factored_product import Compliances, Scratch, Touched, band_of, product, spread
 from contactlab_dynamics.touched import number_nodes
 
-SETS = 12  # active sets tried before the sweeps are asked; two or three are usual
+SETS = 12  # active sets tried before the sweeps take over; two or three are usual
 BEYOND = 1e-2  # of the tolerance: how far a pass more or less may leave the gaps, so that forces are as good
 
 
@@ -25,7 +25,7 @@ class Search(NamedTuple):
     """Direction of conjugate gradients and what goes with it, (k,) each.
 
     active     conditions that are closed
-    direction  forces whose effect on the gaps is asked for next, `change` their effect
+    direction  forces whose effect on the gaps is computed next, `change` their effect
     residual   gaps of the active conditions, with the other sign
     easy       [N/mm] one over the compliance of each row, roughly
     small      [1/mm] one over the length of the segments
@@ -65,7 +65,7 @@ def worst_residual(gaps, y, scale, size):
 def _number(count, rows, number, found):
     """List the nodes that the first `count` rows touch in `found`, numbered in `number` (N,).
 
-    Returns `Touched`, how many nodes there are, how many of them those of columns, and how often own nodes count.
+    Returns `Touched`, how many nodes there are, how many of them are in columns, and how often own nodes count.
     """
     entries = rows.start[count]
     columns = number_nodes(rows.node[:entries], number, found, 0)
@@ -131,7 +131,7 @@ def solve_active(count, rows, compliance, multipliers, force, tolerance, limit):
 def _sets(rows, touched, compliances, y, scratch, tolerance, limit):
     """Active sets until no condition changes sides; y (k,) is the start and becomes the answer.
 
-    Each turn of the loop is a product with forces `direction`: those of the start, those taken away from conditions
+    Each turn of the loop is a product with forces `direction`: forces of the start, forces taken away from conditions
     that open, or a direction of the conjugate gradients on one set. rows.left receives the gaps.
     """
     count, gaps, scale, size = y.size, rows.left, compliances.scale, rows.size
@@ -159,7 +159,7 @@ def _sets(rows, touched, compliances, y, scratch, tolerance, limit):
                 break
             sets += 1
             dropped = choose(y, gaps, scale, search)
-            if dropped:  # forces of conditions that open are taken away at once
+            if dropped:  # forces of all conditions that open are taken away together
                 searching = False
                 continue
         before, dropped, searching = begin_descent(gaps, search), False, True
@@ -206,7 +206,7 @@ def drop_round_off(y, scale, size, tolerance):
 
 @section
 def descend(y, gaps, search, before, goal):
-    """One step of the conjugate gradients; returns the scaled square of the residual and whether to go on."""
+    """Make a step of the conjugate gradients; returns the scaled square of the residual and whether to go on."""
     direction, change, residual = search.direction, search.change, search.residual
     curvature = 0.0
     for i in range(y.size):

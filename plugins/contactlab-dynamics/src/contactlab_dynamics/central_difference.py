@@ -25,12 +25,12 @@ class CentralDifference(ExplicitIntegrator):
     forces: Literal["auto", "consistent", "frozen", "conjugate", "published"] = "auto"
 
     def enforcement(self) -> Mapping[str, Any]:
-        """Multipliers by forward increments, with the forces that are asked for."""
+        """Multipliers by forward increments, with the forces that the scene requests."""
         own: dict[str, Any] = {"use": self.default_enforcement}
         return own if self.forces == "auto" else own | {"forces": self.forces}
 
     def step(self, motion: Motion, dt: float) -> None:
-        """From the middle of the last step to that of this one: v_0 is half a step of acceleration before v_1/2."""
+        """Advance from the middle of the last step to the middle of this: v_0 is half a step before v_1/2."""
         motion.kick(0.5 * (motion.last_dt + dt))
         motion.contact(ahead=dt)
         motion.drift(dt)

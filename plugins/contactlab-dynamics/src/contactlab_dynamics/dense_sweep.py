@@ -113,7 +113,7 @@ def _present(count, rows, dense):
 
 @section
 def _move(row, change, gaps):
-    """What a change of one force does to all gaps and slips."""
+    """Update all gaps and slips for a change of one force."""
     if change != 0.0:
         for j in range(gaps.size):
             gaps[j] += row[j] * change

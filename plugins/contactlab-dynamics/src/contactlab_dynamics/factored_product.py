@@ -23,7 +23,7 @@ WIDEST = 24  # conditions to either side; wider bands cost more than going throu
 class Touched(NamedTuple):
     """The L nodes that rows touch, numbered among themselves.
 
-    local, row (z,) node and row of each entry; own (k,) the slave node that each row weighs by one beside, -1 for none
+    local, row (z,) node and row of each entry; own (k,) the slave node of weight one in each row, -1 for none
     """
 
     local: Ints
@@ -32,7 +32,7 @@ class Touched(NamedTuple):
 
 
 class Compliances(NamedTuple):
-    """How far touched nodes and conditions move under a unit force.
+    """Motions of touched nodes and conditions under a unit force.
 
     soft (L, 2) [mm/N] nodes, band (1 or 2, diagonals, k) B C B^T, stiff (k,) [mm/N] share of the own nodes,
     scale (k,) [mm/N] estimate for each row as a whole
@@ -45,7 +45,7 @@ class Compliances(NamedTuple):
 
 
 class Scratch(NamedTuple):
-    """padded (2, k + diagonals), zero in the first h places and after those of the conditions; carried (2, k);
+    """padded (2, k + diagonals), zero in the first h places and after the conditions' places; carried (2, k);
     nodal (L, 2)."""
 
     padded: Floats
@@ -171,10 +171,10 @@ def product(rows, touched, compliances, y, scratch, out):
 
 @kernel
 def band_of(rows, touched, soft, nodes):
-    """B C B^T by diagonals for the first `nodes` touched ones, those of B: (1 or 2, diagonals, k and zeros behind).
+    """B C B^T by diagonals for the first `nodes` touched nodes, which B has: (1 or 2, diagonals, k and zeros behind).
 
     Diagonals from -h to h and what fills their number up to a multiple of four: h = diagonals / 2 - 1. One layer
-    where all nodes give way alike in x and y; none where the band were too wide.
+    if all nodes give way alike in x and y; none if the band is too wide.
     """
     count, local, row, weight = touched.own.size, touched.local, touched.row, rows.weight
     first, last, half, layers = np.empty(nodes, np.int32), np.empty(nodes, np.int32), 1, 1
@@ -191,7 +191,7 @@ def band_of(rows, touched, soft, nodes):
                 layers = 2
     if half > WIDEST:
         return np.empty((0, 4, count))
-    # weights of each node in its first row and those after, as many for every node as any has: loops of one length
+    # weights of each node in its first row and in later rows, as many for every node as any has: loops of one length
     width = half + 1
     entering = np.zeros((nodes, width))
     for z in range(local.size):

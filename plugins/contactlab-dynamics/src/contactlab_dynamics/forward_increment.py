@@ -37,7 +37,7 @@ class ForwardIncrement(ExplicitEnforcement):
     def solve_factored(
         self, rows: FactoredRows, compliance: Floats, multipliers: Floats, force: Floats
     ) -> Solve | None:
-        """Active sets by conjugate gradients; None where they go round in circles."""
+        """Solve active sets by conjugate gradients; None if they cycle."""
         passes, residual, largest = late("contactlab_dynamics.active_set").solve_active(
             rows.count, rows, compliance, multipliers, force, self.tolerance, self.sweeps
         )
@@ -46,7 +46,7 @@ class ForwardIncrement(ExplicitEnforcement):
     def solve_gradients(
         self, rows: FactoredGradients, compliance: Floats, multipliers: Floats, force: Floats
     ) -> Solve | None:
-        """As `solve_factored`."""
+        """Solve gradients' rows as `solve_factored` does."""
         passes, residual, largest = late("contactlab_dynamics.gradient_set").solve_gradients(
             rows.factors.count, rows, compliance, multipliers, force, self.tolerance, self.sweeps
         )

@@ -105,7 +105,7 @@ def _sets(rows, soft, y, scale, scratch, tolerance, limit):
             break
         sets += 1
         searching = not choose(y, gaps, scale, search)
-        if not searching:  # forces of conditions that open are taken away at once
+        if not searching:  # forces of all conditions that open are taken away together
             continue
         before = begin_descent(gaps, search)
         if not before > 0.0:

@@ -1,4 +1,4 @@
-"""One condition at a time: the force that holds it while all others stay. `rows` are `Rows` throughout.
+"""Updates of single conditions: the force that holds each while all others stay. `rows` are `Rows` throughout.
 
 rows.work holds what a solve keeps of each row: compliance and force, normal (0, 1) and tangential (2, 3).
 """

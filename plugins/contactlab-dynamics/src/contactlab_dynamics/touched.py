@@ -9,7 +9,7 @@ from contactlab.api.compiled.kernel import kernel
 def number_nodes(node, local, touched, count):
     """List what of `node` is not yet among the first `count` of `touched`, and number it in `local` (N,).
 
-    `local` is -1 where nothing has been numbered, negative nodes are none; returns the new count.
+    `local` is -1 where nothing has been numbered, negative nodes are skipped; returns the new count.
     """
     for n in node:
         if n >= 0 and local[n] < 0:

@@ -70,7 +70,7 @@ class Polynomial(Function):
             raise ValueError(f"coefficients: got {list(self.coefficients)}, allowed: one finite number or several")
 
     def values(self, at: Floats) -> Floats:
-        """By Horner's scheme."""
+        """Evaluate by Horner's scheme."""
         return np.asarray(np.polynomial.polynomial.polyval(at, self.coefficients))
 
 

@@ -42,7 +42,7 @@ class Gravity(Effect):
     def bind(self, view: EffectView) -> Callable[[float, Floats], None]:
         """Compute the weights once; a step adds them."""
         nodes = np.concatenate([view.nodes(name) for name in self.on or view.bodies])
-        # of all nodes, also those without weight: picking some out costs twenty times the sum
+        # of all nodes, even without weight: picking some out costs twenty times the sum
         weight = np.zeros((len(view.mass), 2))
         weight[nodes] = view.mass[nodes, None] * np.asarray(self.acceleration)
         if self.profile is not None:

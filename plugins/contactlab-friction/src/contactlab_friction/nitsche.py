@@ -1,4 +1,4 @@
-"""Contact without multipliers by Nitsche's method: the pressure is that of the slave's own stress, held by the gap."""
+"""Contact without multipliers by Nitsche's method: the slave's own stress is the pressure, corrected by the gap."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Nitsche(NormalLaw):
 
     @formula
     def pressure(gap: Any, traction: Any, stiffness: float, p: Any) -> Any:
-        """What the stress says, and more where surfaces overlap."""
+        """Pressure of the stress, and more where surfaces overlap."""
         return max(0.0, -traction - p.gamma * stiffness * gap)
 
     @formula

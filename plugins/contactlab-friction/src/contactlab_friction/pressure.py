@@ -1,4 +1,4 @@
-"""Pressure laws: what surfaces press by where they overlap, or come close."""
+"""Pressure laws: pressure as a function of the gap of surfaces that overlap or come close."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import numpy as np
 
 from contactlab.api import Floats, NormalLaw, formula
 
-STEEPEST = 6.0  # clearances of overlap: an exponential goes on along its tangent from there
+STEEPEST = 6.0  # clearances of overlap: an exponential continues along its tangent from there
 
 
 @dataclass(frozen=True)
 class LinearPressure(NormalLaw):
     """Pressure proportional to the overlap: penalty in pressures (Wriggers 2006, ch. 10.3).
 
-    factor     stiffness over that of the cells behind both surfaces [-], where `stiffness` is 0
+    factor     stiffness over the stiffness of the cells behind both surfaces [-], if `stiffness` is 0
     stiffness  [MPa/mm] pressure per overlap; 0: from the cells behind
     """
 
@@ -39,7 +39,7 @@ class LinearPressure(NormalLaw):
 class ExponentialPressure(NormalLaw):
     """Softened contact: p0/(e - 1) (u e^u - u) with u = 1 - gap/c0, which is p0 at no gap and nothing from c0 on.
 
-    Where surfaces overlap by more than six times c0 the pressure goes on along its tangent.
+    Where surfaces overlap by more than six times c0 the pressure continues along its tangent.
 
     clearance  c0 [mm], gap at which pressure begins
     pressure_at_zero  p0 [MPa]; 0: `factor` times c0 times the stiffness of the cells behind both surfaces

@@ -7,18 +7,19 @@ point y of the master that it sees is weighted by the functions psi_j. No weight
 
     integral of psi_j (x - y) . n  over the part of the slave that has a partner  >=  0      for every j,
 
-and if it is zero lambda_j may be positive: it is the pressure. Positions are shape functions times those of nodes, so
+and if it is zero lambda_j may be positive: it is the pressure. Positions are shape functions times nodal positions, so
 the integrals are three matrices,
 
     D_ij = integral of N_i psi_j,   M_lj = integral of N_l psi_j,   T_ij = integral of hat_i psi_j,
 
-of the slave's shape functions, of the master's at the point that is seen, and of the hats of the slave's nodes, which
-separations and pressures are told by. The core makes conditions, forces and tangents of them (docs/theory/rows.md).
+of the slave's shape functions, of the master's at the point that is seen, and of the hats of the slave's nodes, by
+which separations and pressures are reported. The core makes conditions, forces and tangents of them
+(docs/theory/rows.md).
 
 Two things are left to say, and each is a formula below. *Which part of a slave segment sees a master segment?* A slave
 point looks along the normals of its nodes, each the average of the segments that meet there, interpolated between them:
-this field is continuous, so the slave sees no point twice and leaves out none. *Which functions weigh the gap?* Those
-that differ between P0, P1 and dual. Where parts begin and end, integrals have kinks; between these they are
+this field is continuous, so the slave sees no point twice and leaves out none. **Which functions weigh the gap?* They
+differ between P0, P1 and dual. Where parts begin and end, integrals have kinks; between these they are
 polynomials, so Gauss points find them exactly, and forces of both sides are the same to round-off: an even pressure
 passes.
 """
@@ -34,15 +35,15 @@ from contactlab_mortar.cone import Coned
 
 @dataclass(frozen=True)
 class _Mortar(SegmentContact):
-    """What both multiplier spaces share: the overlaps.
+    """Base of both multiplier spaces: the overlaps.
 
-    multipliers  which nodes of quadratic slave edges carry them: "nodes" all, "vertices" those at ends of edges;
+    multipliers  which nodes of quadratic slave edges carry them: "nodes" all, "vertices" nodes at ends of edges;
                  "auto" is all without friction and the ends with it (mortar-operators.md, quadratic edges)
     """
 
     @formula
     def overlap(slave: Any, master: Any) -> Any:
-        """What lies between the points whose normals meet both ends of the master segment.
+        """Overlap between the points whose normals meet both ends of the master segment.
 
         The point y is seen from x(xi) = a + xi e along n(xi) = n + xi m if (x(xi) - y) x n(xi) = 0: a quadratic in xi.
         """
@@ -58,7 +59,7 @@ class MortarP0(_Mortar, Coned):
 
     @formula
     def basis(xi: Any) -> Any:
-        """Each end has the half beside it."""
+        """Give each end the half next to it."""
         return (1.0, 0.0) if xi < 0.5 else (0.0, 1.0)
 
 

@@ -17,7 +17,7 @@ class Q1Fbar(Element):
     In-plane F scaled by (J0/J)^(1/2) for "finite" laws (de Souza Neto and others 1996), the increment's
     likewise for "rate" laws, the strain's trace replaced for "small" ones (B-bar). Forces are the
     conjugate ones, which keeps energy and makes the stiffness of elastic laws symmetric. The stable step is
-    that of Q1.
+    as for Q1.
     """
 
     nodes: ClassVar[Floats] = Q1.nodes

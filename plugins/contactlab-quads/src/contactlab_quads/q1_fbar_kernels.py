@@ -1,7 +1,7 @@
 """Kernels of the bilinear quadrilateral with one dilatation per cell.
 
-The gradient's volume change at every point is that of the cell's centre, and forces are what is
-conjugate to that (B-bar), so that elastic energy is conserved. With r = J0/J at a point, s its stress in
+The gradient's volume change at every point is taken from the cell's centre, and forces are conjugate
+to it (B-bar), so that elastic energy is conserved. With r = J0/J at a point, s its stress in
 the plane and m = (s_xx + s_yy)/2, a cell's virtual work is
 
     sum over points of r dv [(s - m I) : grad(v) + m div0(v)],
@@ -65,7 +65,7 @@ def small_gradient(geometry, field, connectivity, out, scratch):
 
 @kernel
 def finite_gradient(geometry, field, connectivity, out, scratch):
-    """F^-1 (4, P) scaled so that its determinant is that of the centre; r = det F^-1 over that is kept."""
+    """F^-1 (4, P) scaled to the determinant at the centre; r = det F^-1 over that is kept."""
     plain_gradient(geometry, field, connectivity, out, scratch)
     s, n = scratch, connectivity.shape[1]
     for g in range(4):

@@ -107,7 +107,7 @@ def _component(x1, x2, x3, y1, y2, y3, p0, p1, p2, p3, q0, q1, q2, q3, sign, f1,
 
 @kernel
 def component(s, p, q, sign, row):
-    """One component of force, coefficients into scratch rows row ... row + 2: stresses p along x, sign q along y."""
+    """Put a force component's coefficients into scratch rows row ... row + 2: stresses p along x, sign q along y."""
     n = s.shape[1]
     _component(
         s[0], s[1], s[2], s[3], s[4], s[5], p[:n], p[n : 2 * n], p[2 * n : 3 * n], p[3 * n :],

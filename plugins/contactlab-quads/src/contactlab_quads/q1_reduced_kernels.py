@@ -41,7 +41,7 @@ def force(geometry, connectivity, stress, force, scratch):
 
 @kernel
 def _resist(modulus, x1, x2, x3, y1, y2, y3, u1, u2, u3):
-    """Replace a component's coefficients by those of its hourglass force."""
+    """Replace a component's coefficients by its hourglass force's."""
     for c in range(x1.size):
         inverse = 1.0 / (x1[c] * y2[c] - x2[c] * y1[c])
         k = modulus * (x1[c] * x1[c] + x2[c] * x2[c] + y1[c] * y1[c] + y2[c] * y2[c]) * inverse

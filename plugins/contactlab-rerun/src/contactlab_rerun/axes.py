@@ -15,7 +15,7 @@ from contactlab_rerun.projection import camera, in_plane, line_strips
 
 WIDTH = 1.7  # of a plot whose height is 1
 BOX = (np.array([-0.22, -0.22]), np.array([WIDTH + 0.1, 1.14]))
-"""Everything that is drawn of a plot but a legend beside it."""
+"""Everything that is drawn of a plot but a legend next to it."""
 
 INK, GREY = (205, 210, 216), (74, 80, 88)
 DASHES = 40  # in a dashed line
@@ -38,7 +38,7 @@ class Axes:
     hang: float
 
     def points(self, x: ArrayLike, y: ArrayLike) -> np.ndarray:
-        """Where values lie in the drawing (..., 3)."""
+        """Return positions of values in the drawing (..., 3)."""
         across = WIDTH * (np.asarray(x) - self.x0) / (self.x1 - self.x0)
         up = (np.asarray(y) - self.low) / (self.high - self.low)
         return in_plane(np.rint(np.stack([across, up], axis=-1) / GRAIN) * GRAIN)
@@ -50,7 +50,7 @@ class Axes:
         x_ticks: Sequence[tuple[float, str]],
         y_ticks: Sequence[tuple[float, str]],
     ) -> None:
-        """Lines, ticks and labels; `titles` are those of both axes."""
+        """Draw lines, ticks and labels; `titles` of both axes."""
         recording.log(f"{self.path}/view", camera(), static=True)
         grid = [self.points([self.x0, self.x1], [y, y]) for y, _ in y_ticks]
         corner = self.points([self.x0, self.x0, self.x1], [self.high, self.low, self.low])
@@ -72,7 +72,7 @@ def labels(at: Sequence[np.ndarray], texts: Sequence[str], colour: tuple[int, ..
 def log_legend(
     recording: rr.RecordingStream, path: str, names: Sequence[tuple[str, tuple[int, ...]]], hang: float
 ) -> None:
-    """Write names in their colours beside a plot."""
+    """Write names in their colours next to a plot."""
     for number, (name, colour) in enumerate(names):
         at = np.array([WIDTH + 0.42, 1.0 - 2.2 * hang * number, -1.0])
         recording.log(f"{path}/legend/{number}", labels([at], [name], colour), static=True)
@@ -99,7 +99,7 @@ def dashed(x: Floats, y: Floats, pieces: int = DASHES) -> tuple[Floats, Floats]:
 
 
 def solid_columns(points: np.ndarray) -> rr.ComponentColumnList:
-    """One line (k points) in each of F frames (F, k, 3)."""
+    """Return columns of a line (k points) in each of F frames (F, k, 3)."""
     frames, count = points.shape[:2]
     lines = line_strips(points.reshape(-1, 3), [count] * frames)
     return rr.LineStrips3D.columns(strips=lines).partition([1] * frames)

@@ -36,10 +36,10 @@ _WHOLE = rrb.TimeAxis(view_range=rr.TimeRange(_EDGE, _EDGE))
 
 @dataclass(frozen=True)
 class Shown:
-    """One run and what the arrangement of views needs of it.
+    """A run and what the arrangement of views needs of it.
 
     box     what its mesh view shows
-    series  with which of their lines are worth drawing
+    series  and flags of their lines worth drawing
     frames  that are drawn
     pictures, active_sets  of the contact record, node by step, and of Newton's iterations
     """
@@ -182,7 +182,7 @@ def _plot_view(path: str, curves: Sequence[str], name: str, legend: bool) -> rrb
 
 
 def _newton_views(shown: Sequence[Shown]) -> list[rrb.View | None]:
-    """What the timeline of iterations is for."""
+    """Return views on the timeline of iterations."""
     several = len(shown) > 1
     views: list[rrb.View | None] = [
         _picture_view(picture, f"{one.appearance.title}: {picture.name}" if several else picture.name)
@@ -212,7 +212,7 @@ def _solver_views(shown: Sequence[Shown]) -> list[rrb.View | None]:
 def _series_view(
     shown: Sequence[Shown], group: str, name: str, wanted: Sequence[str] = (), legend: bool = False
 ) -> rrb.TimeSeriesView | None:
-    """Lines of a group that are not always zero, all or the `wanted` ones; None where there are none."""
+    """Lines of a group that are not always zero, all or the `wanted` ones; None if there are none."""
     entities, overrides = [], {}
     for one in shown:
         for series, varying in one.series:
@@ -225,7 +225,7 @@ def _series_view(
 
 
 def _work_view(shown: Sequence[Shown], parts: Sequence[str], legend: bool = False) -> rrb.TimeSeriesView | None:
-    """What the work of contact consists of, all of it or some `parts`; None where no run has split it."""
+    """View of the work of contact, all of it or some `parts`; None if no run has split it."""
     name = f"work of contact{_in(_units(shown).line_energy)}" + "".join(f": {part}" for part in parts)
     return _series_view(shown, "contact-work", name, parts, legend)
 
@@ -270,7 +270,7 @@ def _picture_view(picture: Picture, name: str) -> rrb.Spatial2DView:
 
 
 def _states(shown: Sequence[Shown]) -> list[rrb.View | rrb.Container]:
-    """Tracks of some nodes; among several runs the picture of all nodes of each in a tab beside."""
+    """Tracks of some nodes; among several runs the picture of all nodes of each in a tab next to it."""
     if not any(one.run.layout.contacts for one in shown):
         return []
     tracks = [f"+ {folder}/**" for one in shown for folder in track_folders(one.run, one.appearance, len(shown) > 1)]

@@ -41,7 +41,7 @@ def log_colour_bar(
 def log_state_key(
     recording: rr.RecordingStream, path: str, low: Floats, high: Floats, frictional: bool, distance: float
 ) -> None:
-    """What the colours of the arrows mean, right of the scale."""
+    """Log the key of the arrows' colours, right of the scale."""
     size = (high - low).max()
     x, y = high[0] - 0.1 * (high - low)[0], low[1] - 0.045 * size
     shown = [(STATES[s], COLOURS[s]) for s in (STICK, SLIP)] if frictional else [("traction", CLOSED)]

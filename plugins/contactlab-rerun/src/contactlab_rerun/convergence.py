@@ -1,4 +1,4 @@
-"""How Newton's iteration of the step at the cursor converged: residuals over iterations, steps taken back included."""
+"""Convergence of Newton's iteration of the step at the cursor: residuals over iterations, rejected steps included."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def _strips(axes: Axes, rows: Sequence[IterationRow], name: str) -> list[np.ndar
         values = [_power(getattr(row, name)) for row in attempt]
         x = np.arange(begin + 1.0, begin + len(values) + 1.0)
         begin += len(values)
-        if len(values) == 1:  # a line of one point is none
+        if len(values) == 1:  # a line needs two points
             x, values = np.array([x[0] - 0.1, x[0] + 0.1]), 2 * values
         if name == "force":
             strips.append(axes.points(x, np.array(values)))

@@ -11,7 +11,7 @@ SHADES = 10
 
 
 def shade_levels(lengths: np.ndarray, largest: float) -> np.ndarray:
-    """Colours (n, m) of lengths [mm] by their powers of ten below `largest`: 0 where there is none (nan)."""
+    """Colours (n, m) of lengths [mm] by their powers of ten below `largest`: 0 where there is no length (NaN)."""
     with np.errstate(divide="ignore", invalid="ignore"):
         power = np.clip(np.floor(-np.log10(np.abs(lengths) / largest)), 0, SHADES - 1)
     first = np.where(lengths < 0.0, 1, 1 + SHADES)
@@ -31,7 +31,7 @@ def segment_length(run: Gathered, contact: ContactLayout) -> float:
 
 
 def _shades(strong: tuple[int, ...]) -> list[str]:
-    """From a strong colour for large lengths to a dark one for those of a converged step."""
+    """Shades from a strong colour for large lengths to a dark one for lengths of a converged step."""
     shares = np.linspace(1.0, 0.12, SHADES)
     return ["#" + "".join(f"{round(share * part + (1.0 - share) * 44):02x}" for part in strong) for share in shares]
 

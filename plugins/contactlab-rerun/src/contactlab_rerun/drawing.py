@@ -34,7 +34,7 @@ HAIR, LINE = -0.6, -1.4  # radii: negative ones are pixels of the screen
 
 @dataclass(frozen=True)
 class Scale:
-    """What is common to all frames, and to all runs of a comparison.
+    """Scales common to all frames, and to all runs of a comparison.
 
     bottom, top  ends of the field's colours
     pressure  the contact pressure of the longest arrow
@@ -154,7 +154,7 @@ class Drawing:
         path = f"{self.appearance.path}/arrows"
         when = frame_times(self.run, [i.step for i in self.instants], [i.time for i in self.instants])
         self.recording.send_columns(path, when, columns.partition(touching.sum(axis=1)))
-        if self.iterates:  # tractions are those of frames
+        if self.iterates:  # tractions belong to frames
             none = np.zeros((0, 3), np.float32)
             hidden = rr.Arrows3D.columns(origins=none, vectors=none, colors=np.zeros(0, np.uint32))
             when = iterate_times([one.number for one in self.iterates])
@@ -217,7 +217,7 @@ class Drawing:
 
 
 def drawn_frames(run: Gathered, size: float, room: float) -> list[int]:
-    """Which frames of `size` bytes are drawn: the last steps before an end, others evenly apart in `room` bytes."""
+    """Numbers of frames of `size` bytes to draw: the last steps before an end, others evenly apart in `room` bytes."""
     whole = {instant.step for part in run.last_steps.values() for instant in part}
     others = [k for k, instant in enumerate(run.instants) if instant.step not in whole]
     apart = max(1, min(math.ceil(size * len(others) / room), len(others) // FEWEST))
@@ -226,7 +226,7 @@ def drawn_frames(run: Gathered, size: float, room: float) -> list[int]:
 
 
 def drawn_iterates(run: Gathered, frames: Sequence[int], size: float, room: float) -> list[Iterate]:
-    """Which states after iterations are drawn beside these frames: evenly apart in `room` bytes, of `size` each."""
+    """States after iterations to draw in addition to these frames: evenly apart in `room` bytes, of `size` each."""
     last = last_iterations(run)
     shown = {last.get(run.instants[frame].step) for frame in frames}
     others = [one for one in run.iterates if one.number not in shown]

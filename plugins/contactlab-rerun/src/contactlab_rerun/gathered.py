@@ -1,4 +1,4 @@
-"""What a recording needs of one run, gathered while it goes on."""
+"""Data of one run for a recording, gathered while it runs."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def check_field(name: str, layout: Layout) -> None:
 
 @dataclass(frozen=True)
 class Appearance:
-    """How a run looks in a recording: `path` begins its entities, `title` tells it from others, `colour` is #rrggbb."""
+    """Appearance of a run in a recording: `path` begins its entities, `title` identifies it, `colour` is #rrggbb."""
 
     path: str
     title: str
@@ -36,7 +36,7 @@ class Appearance:
 
 @dataclass(frozen=True)
 class Instant:
-    """One frame in single precision, which is all that a viewer keeps.
+    """A frame in single precision, which is all that a viewer keeps.
 
     positions (N, 2), values (n,) of the shown field per cell of all bodies
     """
@@ -75,7 +75,7 @@ class Surface:
 
 @dataclass
 class Gathered:
-    """One run: its frames, events, Newton iterations and states after those. `finish` must come first of all questions.
+    """Frames, events and Newton iterations of a run, and states after iterations. Call `finish` before any query.
 
     last_steps         frames of every step before a failure or a warning; `instants` has them, too, once it is finished
     recorded, records  rows of the contact record by contact, in blocks and, once it is finished, in one
@@ -108,7 +108,7 @@ class Gathered:
         self.last_steps[end] = [self._instant(frame) for frame in frames]
 
     def finish(self, summary: Mapping[str, Any]) -> None:
-        """The run is over: its last frame is always shown, and an end before its time is an event."""
+        """Finish the run: its last frame is always shown, and an early end is an event."""
         if self.skipped is not None:
             self.instants.append(self.skipped)
             self.skipped = None
@@ -125,7 +125,7 @@ class Gathered:
             self.events.append(Event(max(int(summary.get("steps", 0)), last.step), last.time, "error", text))
 
     def window(self) -> tuple[int, int] | None:
-        """First and last of the steps to look at first: those before a failure, or before the first warning."""
+        """First and last of the steps to look at first: the steps before a failure, or before the first warning."""
         for end in (FAILURE, WARNING):
             if steps := self.last_steps.get(end):
                 return steps[0].step, steps[-1].step
@@ -189,12 +189,12 @@ class Gathered:
 
     @property
     def frictional(self) -> bool:
-        """Whether any contact has friction."""
+        """Return whether any contact has friction."""
         return any(contact.friction for contact in self.layout.contacts)
 
 
 def state_names(frictional: bool) -> tuple[str, ...]:
-    """What the states of a contact node are called: without friction a closed one does not slip."""
+    """Names of the states of a contact node: without friction there is no slip, only closed."""
     return STATES if frictional else (*STATES[:SLIP], "closed")
 
 

@@ -1,7 +1,7 @@
 """Newton's iterations one by one, on a timeline of their own.
 
-`iteration` counts all of a run, those of attempts that were taken back included. Residuals, active sets, gaps and the
-shape of the bodies are those after each iteration, as far as they were recorded; stresses, tractions and curves are
+`iteration` counts all of a run, rejected attempts included. Residuals, active sets, gaps and the
+shape of the bodies are shown after each iteration, as far as they were recorded; stresses, tractions and curves are
 there from the last iteration of their step on.
 """
 

@@ -22,9 +22,9 @@ DECADES = {"gap": 8, "slip": 6}  # below the largest length: smaller ones are dr
 def log_lengths(
     recording: rr.RecordingStream, pressure: Profile, runs: Sequence[tuple[str, Gathered, Appearance]], what: str
 ) -> Profile | None:
-    """The plot of the gap, or of the slip in a step, beside that of the pressure; None where there are no such lengths.
+    """Plot the gap, or the slip in a step, next to the pressure; None if there are no such lengths.
 
-    It has curves of all `runs`, each with the name of its contact. Slips are those of recorded steps.
+    It has curves of all `runs`, each with the name of its contact. Slips belong to recorded steps.
     """
     curves = [_curves(pressure.axes, run, name, what) for name, run, _ in runs]
     known = [lengths[np.isfinite(lengths)] for _, _, lengths in curves]
@@ -54,7 +54,7 @@ def log_lengths(
 
 
 def _largest(first: tuple[str, Gathered, Appearance], what: str, known: Sequence[np.ndarray]) -> float:
-    """What lengths are small beside: the segments of the first run's slave for gaps, else the largest of them."""
+    """Reference length for the scale: the segments of the first run's slave for gaps, else the largest length."""
     name, run, _ = first
     if what == "gap":
         return segment_length(run, next(contact for contact in run.layout.contacts if contact.name == name))
@@ -62,7 +62,7 @@ def _largest(first: tuple[str, Gathered, Appearance], what: str, known: Sequence
 
 
 def _curves(axes: Axes, run: Gathered, contact: str, what: str) -> tuple[Curves, np.ndarray, np.ndarray]:
-    """Instants, arc lengths (k,) within the axes and lengths (n, k) there, nan where there are none."""
+    """Instants, arc lengths (k,) within the axes and lengths (n, k) there, NaN where there are none."""
     order = along_surface(axes, run.surfaces[contact])
     shown = curves_of(run, contact, len(order))
     return shown, run.surfaces[contact].s[order], np.asarray(getattr(shown, what)[:, order], np.float64)

@@ -18,7 +18,7 @@ Runs = Sequence[tuple[str, Gathered, Appearance]]
 
 
 def log_memories(recording: rr.RecordingStream, pressure: Profile, runs: Runs) -> list[Profile]:
-    """A plot for each name, beside that of the pressure, with the curves of all `runs` that remember it.
+    """Make a plot for each name, next to the pressure plot, with the curves of all `runs` that remember it.
 
     Each of the `runs` has the name of its contact.
     """

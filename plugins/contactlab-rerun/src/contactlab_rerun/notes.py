@@ -1,4 +1,4 @@
-"""What is told in words: tracks of contact states, events, and the page about the scene."""
+"""Notes in words: tracks of contact states, events, and the page about the scene."""
 
 from __future__ import annotations
 
@@ -148,7 +148,7 @@ def _changes(contact: ContactLayout, old: Ints, new: Ints, moved: np.ndarray) ->
 
 
 def _names(nodes: Sequence[int]) -> str:
-    """One node or two are named, as in the pictures of all steps; more would fill the line."""
+    """Name up to two nodes, as in the pictures of all steps; more would fill the line."""
     if len(nodes) > 2:
         return ""
     return f" (node{'s' if len(nodes) > 1 else ''} {' and '.join(map(str, nodes))})"
@@ -157,7 +157,7 @@ def _names(nodes: Sequence[int]) -> str:
 def segments_faced(contact: ContactLayout, surface: Surface, frame: int, positions: np.ndarray) -> Ints:
     """The master segment (m,) that each closed slave node is nearest to, -1 for open ones.
 
-    A node between two of them has one by chance: where there is a record of the contact, it tells.
+    For a node between two segments the choice is arbitrary; a contact record, if there is one, has the true segment.
     """
     closed = np.flatnonzero(surface.state[frame])
     found = np.full(len(surface.s), -1)
@@ -172,7 +172,7 @@ def segments_faced(contact: ContactLayout, surface: Surface, frame: int, positio
 
 
 def log_iterations(recording: rr.RecordingStream, run: Gathered, appearance: Appearance) -> None:
-    """A line for each Newton iteration; those of steps that were taken back stand out."""
+    """Log a line for each Newton iteration; iterations of rejected steps stand out."""
     if not run.iterations:
         return
     last = {row.step: row.attempt for row in run.iterations}
@@ -230,7 +230,7 @@ def what_to_look_for(run: Gathered) -> list[str]:
         lines.append(
             "- The timeline *iteration* walks through Newton's iterations; *active set* has a column for each of them."
         )
-    return lines or ["- *energy* and *reaction* over the whole run; the mesh is that of the cursor."]
+    return lines or ["- *energy* and *reaction* over the whole run; the mesh is at the cursor."]
 
 
 def _table(left: str, right: str, values: Mapping[str, Any]) -> list[str]:

@@ -1,4 +1,4 @@
-"""Where a recording wants to be looked at first: a property of it, as the library's views cannot name an instant."""
+"""Step at which a recording opens: a property of it, as the library's views cannot name an instant."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ OPENS = "opens"
 
 
 def step_to_open(file: Path) -> int | None:
-    """The step that the recording names; None where it names none."""
+    """The step that the recording names; None if it names none."""
     from rerun.chunk import RrdReader
 
     with warnings.catch_warnings(action="ignore"):  # it has no index

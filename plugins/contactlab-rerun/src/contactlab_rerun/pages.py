@@ -1,6 +1,6 @@
 """Pictures in pages: a column per step or iteration, a row per node, 200 columns on a page.
 
-The page at the cursor shows its columns beside each other, so that what changes from one to the next is seen without
+The page at the cursor shows its columns next to each other, so that what changes from one to the next is seen without
 moving; a frame marks the one at the cursor. Pages are counted from the end: the last one is full.
 """
 
@@ -27,7 +27,7 @@ MOST_PAGES = 500  # pictures of a run; earlier pages are left out
 
 @dataclass(frozen=True)
 class Picture:
-    """One kind of picture: the root of its entities, that of what all kinds share, and the name of its view.
+    """A kind of picture: the roots of its entities and of the entities that all kinds share, and the name of its view.
 
     low, high  corners (2,) of what the view shows, in pixels of a page downwards
     """
@@ -102,7 +102,7 @@ def log_pages(
 def log_beside(
     recording: rr.RecordingStream, path: str, columns: Columns, grain: Grain, labels: Sequence[tuple[int, str]]
 ) -> None:
-    """What all kinds have in common: names of some rows, what columns the page has, and the cursor."""
+    """Log what all kinds of pictures share: names of some rows, columns of the page, and the cursor."""
     wide, high, width, height = grain
     style: dict[str, Any] = {"radii": [0.0], "colors": [(205, 210, 216)], "show_labels": True}
     at = [(-NAME * width, high * (k + 0.5) - ITS_HEIGHT * width) for k, _ in labels]  # centred on their points

@@ -16,8 +16,8 @@ from contactlab_rerun.axes import Axes, dashed, dashed_columns, log_legend, soli
 from contactlab_rerun.gathered import Appearance, Gathered, Surface, nice
 from contactlab_rerun.timelines import frame_times
 
-MARGIN = 0.08  # of what is ever pressed, on either side
-MOST_POINTS = 1000  # of the curves of a run, beside its frames and last steps: pictures have all steps
+MARGIN = 0.08  # of what is ever pressed, on both sides
+MOST_POINTS = 1000  # of the curves of a run, in addition to its frames and last steps: pictures have all steps
 LAST = 50  # steps before the end whose curves are always there
 
 
@@ -148,5 +148,5 @@ def slips(rows: np.ndarray) -> np.ndarray:
 
 
 def in_brackets(unit: str) -> str:
-    """The unit as a title has it; nothing where there is none."""
+    """Return the unit as in a title; an empty string if there is none."""
     return f" [{unit}]" if unit else ""

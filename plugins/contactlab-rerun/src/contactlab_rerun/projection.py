@@ -39,7 +39,7 @@ def in_plane(points: Floats, lift: float = 0.0, distance: float = 1.0) -> np.nda
 
 
 def bounds(low: Floats, high: Floats, margin: float = 0.06) -> rrb.VisualBounds2D:
-    """What a view shows at first: the box from `low` to `high` (2,) with a margin."""
+    """Initial bounds of a view: the box from `low` to `high` (2,) with a margin."""
     pad = margin * (np.asarray(high) - np.asarray(low)).max()
     (x0, y0), (x1, y1) = np.asarray(low) - pad, np.asarray(high) + pad
     return rrb.VisualBounds2D(x_range=[x0, x1], y_range=[-y1, -y0])

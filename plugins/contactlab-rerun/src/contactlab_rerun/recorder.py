@@ -24,8 +24,8 @@ class Rerun(Recorder):
     field      what colours the mesh: von_mises or (hydrostatic) pressure [MPa], an internal variable of the laws such
                as plastic_strain, or "none"
     every      1: every stored frame is drawn, 2: every other one, ... (the last one always); "auto": as many as fit
-               into 0.25 MB, at least 12; curves, tracks and events are then those of all frames
-    wire       draw the sides of all cells; "auto": where there are few enough to be told apart
+               into 0.25 MB, at least 12; curves, tracks and events still have all frames
+    wire       draw the sides of all cells; "auto": if there are few enough to be told apart
     lanes      slave nodes of each contact whose state has a track of its own
     panel      show the panel alone whose name has this in it; by default all of them
     """
@@ -54,7 +54,7 @@ class Rerun(Recorder):
 
     @property
     def on_view(self) -> bool:
-        """Whether there is no work during a run."""
+        """Return whether there is no work during a run."""
         return self.write == "view"
 
     @property

@@ -1,4 +1,4 @@
-"""From runs to a file: one run while it goes on, or several that are there already."""
+"""Recordings of runs in a file: one run while it is made, or several finished runs."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def imported_quietly() -> Iterator[None]:
 
 
 class RunRecording(Recording):
-    """One run. Steps wait in memory until there are many; frames until the file ends, when their scales are known."""
+    """Recording of a run. Steps wait in memory until there are many; frames until the end, when scales are known."""
 
     def __init__(
         self,
@@ -62,7 +62,7 @@ class RunRecording(Recording):
         self.waiting: list[Floats] = []
 
     def _series(self) -> SeriesWriter:
-        """Where steps go, from the first time on that they must: that imports the library and begins the file."""
+        """Return the writer of steps; the first call imports the library and begins the file."""
         if self.series is None:
             self.series = self.open_run(self.run)
             for block in self.waiting:
@@ -110,11 +110,11 @@ class RunRecording(Recording):
 
 
 def record_run(options: Rerun, folder: Path, layout: Layout) -> RunRecording:
-    """The recording of a run that goes on, in a file of its own."""
+    """Return the recording of a run in progress, in a file of its own."""
     algorithms = ", ".join(dict.fromkeys(contact.algorithm for contact in layout.contacts))
     title = f"{layout.title}: {algorithms}" if algorithms else layout.title
     appearance = Appearance(f"/{entity_name(folder.resolve().name)}", title, STYLES[0].colour)
-    if find_spec("rerun") is None:  # told before the run, though the library is not needed yet
+    if find_spec("rerun") is None:  # raised before the run, though the library is not needed yet
         raise ModuleNotFoundError("No module named 'rerun'")
     files: list[TimelineFile] = []
 
@@ -133,7 +133,7 @@ def _begun(path: Path, options: Rerun, timeline: str) -> TimelineFile:
 
 
 def write_comparison(options: Rerun, path: Path, runs: Mapping[str, StoredRun]) -> None:
-    """One file with all runs that stored a frame, on one cursor."""
+    """Write one file with all runs that stored a frame, on one cursor."""
     shown = {title: run for title, run in runs.items() if len(run.frames)}
     if not shown:
         return

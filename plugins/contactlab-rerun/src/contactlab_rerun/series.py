@@ -108,7 +108,7 @@ class SeriesWriter:
             self.recording.send_columns(f"{self.appearance.path}/{series.path}", when, columns)
 
     def log_styles(self, several: bool) -> None:
-        """Names and colours of the lines, among several runs those of their run; what is always zero is hidden."""
+        """Log names and colours of the lines, of several runs the run's colour; lines that are always zero are hidden."""
         numbers: dict[str, int] = {}
         # where pixels are too few the viewer takes one of some rows, as if these were evenly apart
         policies = rr.components.AggregationPolicy
@@ -135,7 +135,7 @@ class SeriesWriter:
 
 
 def corners(x: Floats, lines: Floats) -> np.ndarray:
-    """Which rows are kept of lines (n, k) over x (n,), so that straight pieces between them pass through all others.
+    """Rows to keep of lines (n, k) over x (n,), so that straight pieces between them pass through all others.
 
     Pieces are halved until they do, to `SEEN` of the largest value.
     """
@@ -160,7 +160,7 @@ def corners(x: Floats, lines: Floats) -> np.ndarray:
 
 
 def _extremes(lines: Floats) -> np.ndarray:
-    """Whether rows (n,) have the least or the largest of a line, among so many rows that a fourth stays at most."""
+    """Mask of rows (n,) with the least or the largest of a line, in blocks so large that at most a fourth stays."""
     part = np.arange(len(lines)) // (8 * lines.shape[1])
     kept = np.zeros(len(lines), np.bool_)
     kept[[0, -1]] = True

@@ -18,7 +18,7 @@ from contactlab_rerun.profiles import slips
 from contactlab_rerun.timelines import frame_times
 
 TICKS = 6  # nodes that are named, and two more where some change a lot
-ROOM = 9  # labels that a page has room for beside each other
+ROOM = 9  # labels that a page has room for side by side
 SEGMENTS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9")
 EMPTY = "#22262c"
 BESIDE = "all"  # entity of what the pictures of a contact share
@@ -91,7 +91,7 @@ def _peak(rows: np.ndarray) -> float:
 
 
 def node_labels(run: Gathered, contact: ContactLayout, along: Ints) -> list[tuple[int, str]]:
-    """Rows that are named, by the number of the node and its arc length: those that change most, and some between."""
+    """Rows that are named, by the number of the node and its arc length: nodes that change most, and some between."""
     s = run.surfaces[contact.name].s
     even = np.linspace(0, len(along) - 1, min(TICKS, len(along))).round().astype(int).tolist()
     apart, chosen = len(along) / ROOM, list[int]()

@@ -59,7 +59,7 @@ class FileStream:
 def drop_streams() -> None:
     """End the threads and free the memory of all streams that nobody holds any more.
 
-    The library keeps every stream of a process, with two threads, until it is told to begin anew.
+    The library keeps every stream of a process, with two threads, until it is initialised again.
     """
     rr.init(APPLICATION, init_logging=False)
 

@@ -36,7 +36,7 @@ MESHES = 0.25e6  # bytes of all meshes and their lines in a recording, if the sc
 
 
 class TimelineFile:
-    """One recording; it has another name until `finish`, so that half of one is never taken for all."""
+    """A recording file; it has another name until `finish`, so that a partial file is never taken for a whole one."""
 
     def __init__(self, path: Path, options: Rerun, timeline: str) -> None:
         self.path, self.options, self.timeline = path, options, timeline
@@ -47,7 +47,7 @@ class TimelineFile:
         self.runs: list[tuple[Gathered, Appearance, SeriesWriter]] = []
 
     def open_run(self, run: Gathered, appearance: Appearance) -> SeriesWriter:
-        """One more run; its steps go to what is given back, its frames to `run`."""
+        """Add a run; its steps go to the returned writer, its frames to `run`."""
         writer = SeriesWriter(self.recording, run, appearance)
         self.runs.append((run, appearance, writer))
         return writer

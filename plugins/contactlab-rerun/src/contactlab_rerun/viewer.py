@@ -27,7 +27,7 @@ MEMORY = "2GB"  # unlimited, the viewer takes three quarters of the machine
 MENU = 36  # pixels of the window's own bar, which says nothing about the recording
 PATIENCE = 60.0  # seconds until the viewer has loaded a recording; software renderers are slow
 TRIES = 3  # the library waits 15 s for a picture
-NUDGES = 20  # times that the viewer is told to draw while one waits
+NUDGES = 20  # draw requests to the viewer while one waits
 SETTLE = 5.0  # seconds for views to follow the cursor, and for messages of the first moments to go
 
 NO_DRIVER = (
@@ -78,10 +78,10 @@ def _url(port: int) -> str:
 
 
 def write_picture(file: Path, png: Path, step: int | None, iteration: int | None = None) -> None:
-    """A picture of the recording at `step`, or where the recording opens: before a warning, else at its end.
+    """Write a picture of the recording at `step`, or where the recording opens: before a warning, else at its end.
 
-    With `iteration` it is that of Newton's iteration with this number among all of the run. Raises ValueError where
-    `file` is no recording or has no such step or iteration, RuntimeError where this machine cannot draw.
+    With `iteration` it shows Newton's iteration with this number among all of the run. Raises ValueError if
+    `file` is not a recording or has no such step or iteration, RuntimeError if this machine cannot draw.
     """
     check_recording(file)
     with headless_viewer(file) as client:
@@ -92,7 +92,7 @@ def write_picture(file: Path, png: Path, step: int | None, iteration: int | None
             raise ValueError(f"{timeline}: got {at}, allowed: {first} to {last}, the {timeline}s of the recording")
         opens = step_to_open(file)
         at = at if at is not None else last if opens is None else opens
-        for _ in range(NUDGES):  # each draws anew: on a busy machine the messages would else not go with time
+        for _ in range(NUDGES):  # each draws again: on a busy machine the messages would else not go with time
             client.set_time(timeline, sequence=at, play_state="paused")
             sleep(SETTLE / NUDGES)
         with tempfile.TemporaryDirectory() as folder:

@@ -6,9 +6,9 @@ Contact holds in the mean, as in a mortar method: with N_j the hats of the slave
 
 where each Gauss point x_q of a slave segment has a foot y_q on the master, the closest point, whatever segment that is
 on. No overlap of segments is looked for: the sum takes the place of the integral, which is what makes the method cheap
-and simple. The price: where a node of the master lies between two points the integrand has a kink that the sum does not
+and simple. The cost: where a node of the master lies between two points the integrand has a kink that the sum does not
 know, so a patch test fails by the error of the rule, of the order of the square of the segments over the number of
-points. The error is that of forces along the slave; resultants and moments of both sides balance exactly.
+points. The error affects forces along the slave; resultants and moments of both sides balance exactly.
 
 Pressures are linear between nodes and the force of a point is w_q p(x_q) n, so multipliers and penalties work alike.
 With a condition, or a penalty, of its own at each point there would be more conditions than a slave node can follow:
@@ -19,8 +19,8 @@ presses by a law of its own gap, and the force acts on the side of the point alo
 
     f_i = sum over the points of that side of  w_q N_i(x_q) p(g_q) n_q,    g_q = (x_q - y_q) . n_q.
 
-So a uniform gap gives both sides the consistent forces of a uniform pressure, whatever the meshes. That both sides have
-opposite forces is not asked for: it follows as far as the meshes resolve the gap (docs/theory/surfaces.md).
+So a uniform gap gives both sides the consistent forces of a uniform pressure, whatever the meshes. Opposite forces of
+both sides are not enforced: they follow as far as the meshes resolve the gap (docs/theory/surfaces.md).
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class GaussPoint(PointContact):
             raise ValueError(f"passes: got {self.passes}, allowed: 1 or 2")
 
     def half_pass(self) -> ContactAlgorithm | None:
-        """Points that press one by one, where neither side is the slave alone."""
+        """Points that press one by one, if neither side is the slave alone."""
         return GaussPointPass() if self.passes == 2 else None
 
     @formula
@@ -61,7 +61,7 @@ class GaussPoint(PointContact):
 
 @dataclass(frozen=True)
 class GaussPointPass(PointContact):
-    """One of two half passes: each of three Gauss points presses by its own gap, and on its own side alone."""
+    """Half pass: each of three Gauss points presses by its own gap, and on its own side alone."""
 
     points_press: ClassVar[bool] = True
     points: ClassVar[int] = 3

@@ -5,7 +5,7 @@ it, and the overlap of matched points, -g, has the energy
 
     E = 1/2 (integral over one side + integral over the other)  of  k/2 <-g>^2 ds,    p = k <-g>,
 
-with undeformed lengths ds. Nothing in it tells the sides apart: forces do not change when slave and master are
+with undeformed lengths ds. The sides enter alike: forces do not change when slave and master are
 exchanged. Integrals are split where segments end. So they are exact, and a uniform overlap is a uniform pressure on
 both sides, whatever the meshes. Forces are the derivatives of the energy. There are no multipliers, so there is no
 inf-sup condition: surfaces overlap by p / k. Theory: docs/theory/midplane.md.
@@ -62,14 +62,14 @@ class Midplane(Potential):
         return assembled(view, found.pairs[:, 2:], block)
 
     def largest_step(self, view: PotentialView, positions: Floats, displacement: Floats) -> float:
-        """The fraction after which overlaps are within `TAKEN` or twice those before: beyond, too much would press."""
+        """Fraction after which overlaps are within `TAKEN` or twice the overlaps before: more would press too much."""
         share, most = 1.0, max(TAKEN, 2.0 * self._deepest(view, positions))
         while share > SHORTEST and self._deepest(view, positions + share * displacement) > most:
             share *= 0.5
         return share
 
     def _deepest(self, view: PotentialView, positions: Floats) -> float:
-        """Largest mean overlap around a vertex, over its undeformed length; large where it has no number."""
+        """Largest mean overlap around a vertex, over its undeformed length; large where it is not a number."""
         found = self._overlaps(view, positions)
         push = np.hypot(*found.derivative().T)
         return float(np.nan_to_num((push / view.length**2).max() / found.stiffness, nan=np.inf))

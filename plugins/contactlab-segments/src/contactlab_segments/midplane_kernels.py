@@ -31,7 +31,7 @@ def lines(a, b, c, d):
 
 @point
 def part(a, b, c, d, starts, ends, k, deepest):
-    """Find the part of ab beside cd: c and d on ab (0 at a, 1 at b), low, high, and the pressures there.
+    """Find the part of ab opposite cd: c and d on ab (0 at a, 1 at b), low, high, and the pressures there.
 
     Each vertex of the other chain ends one part and begins the next. If nothing is pressed, high is low.
     """
@@ -51,7 +51,7 @@ def part(a, b, c, d, starts, ends, k, deepest):
 
 @point
 def pressed(low, high, p_low, p_high):
-    """What of a part is pressed, and its pressures; all of it if both sides only touch."""
+    """Pressed range of a part, and its pressures; all of it if both sides only touch."""
     if p_low < 0.0 < p_high:
         return low + (high - low) * p_low / (p_low - p_high), high, 0.0 * p_low, p_high
     if p_high < 0.0 < p_low:
@@ -117,7 +117,7 @@ def both(a, b, c, d, own, other, k, deepest):
 
 @point
 def near(at, nodes, deepest):
-    """Whether two segments, i to j and e to f, face each other and are close enough to overlap."""
+    """Return whether segments i to j and e to f face each other and are close enough to overlap."""
     i, j, e, f = nodes
     x, y, u, v = at[j, 0] - at[i, 0], at[j, 1] - at[i, 1], at[f, 0] - at[e, 0], at[f, 1] - at[e, 1]
     reach = abs(x) + abs(y) + abs(u) + abs(v) + 2.0 * deepest
@@ -128,7 +128,7 @@ def near(at, nodes, deepest):
 
 @point
 def meet(corners, own, other, k, deepest):
-    """Whether two segments touch or overlap."""
+    """Return whether two segments touch or overlap."""
     a, b, c, d = corners
     starts, ends = beyond(own, other)
     _, _, low, high, _, _ = part(a, b, d, c, starts, ends, k, deepest)
@@ -215,7 +215,7 @@ def stiffen(at, pairs, length, ends, k, deepest, block):
 
 @point
 def put_points(count, a, b, c, d, i, j, e, f, length, starts, ends, k, deepest, nodes, weight, force):
-    """Two Gauss points of what is pressed of ab beside cd, from number `count` on; returns the next number."""
+    """Put two Gauss points on the pressed part of ab opposite cd, from number `count` on; returns the next number."""
     _, _, low, high, p_low, p_high = part(a, b, c, d, starts, ends, k, deepest)
     if low < high and count + 2 <= len(nodes):
         begin, end, p, q = pressed(low, high, p_low, p_high)

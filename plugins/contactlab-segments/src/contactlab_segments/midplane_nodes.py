@@ -46,7 +46,7 @@ class Overlaps(NamedTuple):
     deepest: float
 
     def derivative(self) -> Floats:
-        """Of the energy by the vertices (n, 2) [N]."""
+        """Derivative of the energy by the vertices (n, 2) [N]."""
         found = np.zeros_like(self.at)
         press(*self, found)
         return found

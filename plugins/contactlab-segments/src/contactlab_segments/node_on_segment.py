@@ -10,9 +10,9 @@ the segment as 1 - eta and eta, with l the length of slave that the node stands 
 since the foot is the closest point neither its motion along the segment nor the turning of n changes g to first order:
 conditions of frictionless contact need no more than n and the shares.
 
-Each node has a condition of its own, which makes the method simple, cheap and local. The price: forces of an even
-pressure are not those of its elements, so that a patch test fails by what the meshes do not match, and what the master
-has between two slave nodes is not seen. So corners of the master are held from outside the slave's segments as well.
+Each node has a condition of its own, which makes the method simple, cheap and local. The cost: forces of a uniform
+pressure are not consistent with its elements, so that a patch test fails where meshes do not match, and what the
+master has between two slave nodes is not seen. So corners of the master are held from outside the slave's segments as well.
 The core has all that a chain of segments is not by itself: which segment is the nearest and when another takes over,
 vertices between segments, where there is no foot, concave corners, where there are two, corners, and the parabolas of
 quadratic edges (docs/theory/surfaces.md).

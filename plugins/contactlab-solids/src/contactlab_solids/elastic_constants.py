@@ -30,7 +30,7 @@ def check_elastic(young: float, poisson: float, density: float, yield_stress: fl
 
 
 def elastic_limit(yield_stress: float | None) -> float:
-    """A yield stress [MPa] that an elastic law was told of; inf for none."""
+    """Return the yield stress [MPa] given to an elastic law; inf for none."""
     return math.inf if yield_stress is None else yield_stress
 
 

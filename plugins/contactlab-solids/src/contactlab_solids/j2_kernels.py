@@ -10,7 +10,7 @@ elastic left Cauchy-Green tensor is A C A^T up to a factor, which ln J and the s
 need no eigenvectors, and a radial return scales s. History rows: half difference and shear of C,
 strain zz, equivalent plastic strain, and (power law) the rise of the yield stress.
 
-The work is cut so that a block pays for what its points do. `trial` gives the stress of an elastic step
+The work is cut so that the cost of a block depends on its points. `trial` gives the stress of an elastic step
 and counts the points that yield; a return takes those. Divisions and roots cost as much as twenty
 products, so series stand in for functions of small numbers, elastic strains of metals and short steps;
 points beyond a series are counted, left alone, and taken by a general kernel afterwards. Which function
@@ -97,7 +97,7 @@ def _elastic(det, log_j, factor, difference, shearing, strain_zz, shear, bulk):
 
 @kernel
 def trial(gradient, history, stress, shear, bulk, yield_stress, slope, slope_row):
-    """Cauchy stress of an elastic step; the numbers of points that yield and of those beyond the series.
+    """Cauchy stress of an elastic step; the numbers of points that yield and of points beyond the series.
 
     The yield stress is yield_stress + slope * history[slope_row].
     """
@@ -183,7 +183,7 @@ def _metric(a, b, c, d, inverse, u, v, cosh, ratio):
 
 @point
 def _return(p, g, history, stress, det, tau, step, shear, compliance, softness, weak):
-    """Where the plastic strain `step` is positive, take it from the trial `tau` and write what follows.
+    """Take the plastic strain `step`, if it is positive, from the trial `tau` and write what follows.
 
     `weak` is a constant at every call: only one of the two functions is compiled in.
     """

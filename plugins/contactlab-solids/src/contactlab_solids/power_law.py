@@ -13,7 +13,7 @@ from contactlab.api.compiled.late import late
 from contactlab_solids import j2
 from contactlab_solids.elastic_constants import check_elastic
 
-RISE = 4  # history row: yield stress less that of the start
+RISE = 4  # history row: yield stress less its initial value
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from contactlab_statics.limits import refuse_limits
 STEPS = 500
 """Steps in time if the scene names no number."""
 BACKWARD = 0.5
-"""Dissipation with which stresses are those at the end of a step."""
+"""Dissipation with which stresses are taken at the end of a step."""
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,7 @@ class ImplicitDynamics(ImplicitIntegrator):
     """Stresses in the middle of a step, contact forces that hold gaps at its end, velocities that keep them held.
 
     Gaps are complementary to forces at the end of every step, and closed surfaces leave it with equal normal
-    velocities: contact takes energy (that of the nodes which are stopped) and never gives any
+    velocities: contact takes energy (of the nodes which are stopped) and never gives any
     (docs/statics.md). Linear and angular momentum are kept. Without contact the scheme is second order and has no
     damping of its own.
 
@@ -31,7 +31,7 @@ class ImplicitDynamics(ImplicitIntegrator):
     dissipation  share of a step by which stresses lead its middle: a viscosity of stiffness times
                  dissipation * dt, booked as `numerical`; first order unless it is 0, and angular momentum changes [-];
                  not written: 0, and 0.5 in quasi-static runs, where vibrations that steps do not resolve have to fade
-    impacts      whether a step in which surfaces meet at a speed that matters ends where they meet, and those after it
+    impacts      whether a step in which surfaces meet at a speed that matters ends where they meet, and later steps
                  are short enough to follow the contact; if not, how fast bodies rebound depends on the step
     """
 
@@ -53,11 +53,11 @@ class ImplicitDynamics(ImplicitIntegrator):
             raise ValueError(f"dissipation: got {self.dissipation}, allowed: 0 to {BACKWARD} (backward Euler stresses)")
 
     def wished_steps(self) -> int:
-        """The steps that the scene asks for."""
+        """Return the number of steps of the scene, or the default."""
         return STEPS if self.steps is None else self.steps
 
     def fixes_steps(self) -> bool:
-        """Whether `steps` is written."""
+        """Return whether the scene sets `steps`."""
         return self.steps is not None
 
     def memory(self, nodes: int) -> Mapping[str, tuple[int, ...]]:

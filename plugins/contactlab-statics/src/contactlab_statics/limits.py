@@ -1,10 +1,10 @@
-"""What the integrators that iterate allow for the fields that they share."""
+"""Limits of the fields that integrators with iterations share."""
 
 from __future__ import annotations
 
 
 def refuse_limits(steps: int, tolerance: float, iterations: int) -> None:
-    """Raise ValueError for what no iteration could work with."""
+    """Raise ValueError for values with which no iteration can work."""
     if steps < 1:
         raise ValueError(f"steps: got {steps}, allowed: at least 1")
     if not 0.0 < tolerance < 1e-2:

@@ -23,8 +23,8 @@ class Newton(ImplicitIntegrator):
     steps       equal load steps to try for the whole loading; failed ones are cut, easy ones grow back. Not written:
                 10, and 10 for each way of a loading that goes to and fro, or none on the path if the end does not
                 depend on it
-    nested      where the end does not depend on the loading path and `steps` is not written, coarser levels of the
-                meshes are solved first, each from the one before, and only the end (and where the loading turns)
+    nested      if the end does not depend on the loading path and `steps` is not written, coarser levels of the
+                meshes are solved first, each from the level before, and only the end (and where the loading turns)
     tolerance   largest unbalanced nodal force over the largest nodal force, and largest violation of a contact
                 condition in segment lengths, at which a step is accepted
     iterations  most iterations of a step before it is cut
@@ -47,25 +47,25 @@ class Newton(ImplicitIntegrator):
         refuse_limits(self.wished_steps(), self.tolerance, self.iterations)
 
     def wished_steps(self) -> int:
-        """The steps that the scene asks for."""
+        """Return the number of steps of the scene, or the default."""
         return STEPS if self.steps is None else self.steps
 
     def fixes_steps(self) -> bool:
-        """Whether `steps` is written."""
+        """Return whether the scene sets `steps`."""
         return self.steps is not None
 
     def for_coarser_levels(self) -> Newton | None:
-        """As exact as an estimate need be, unless the scene asks for load steps on the way."""
+        """Return a copy with the tolerance of an estimate; None if `steps` is set or `nested` is off."""
         if self.steps is not None or not self.nested:
             return None
         return replace(self, tolerance=max(self.tolerance, ESTIMATE), stabilised=False)
 
     def stabilises(self) -> bool:
-        """Whether `stabilised` is true."""
+        """Return `stabilised`."""
         return self.stabilised
 
     def memory(self, nodes: int) -> Mapping[str, tuple[int, ...]]:
-        """What the last step moved [mm], from which the next one starts in bodies that flow."""
+        """Displacement of the last step [mm], the start of the next step in bodies that flow."""
         return {"moved": (nodes, 2)}
 
     def step(self, motion: ImplicitMotion, dt: float) -> None:

@@ -2,9 +2,9 @@
 
     y_n = max(0, a_n - e g),   y_t = clip(a_t - e d, -bound(y_n), +bound(y_n))
 
-with the stiffness e, `factor` times that of the nodes in contact (`contactlab.api.Conditions.stiffness`). The anchor
+with the stiffness e, `factor` times the nodal stiffness in contact (`contactlab.api.Conditions.stiffness`). The anchor
 a is zero for penalty (tangentially the force at the start of the step); an augmented Lagrangian makes the forces of a
-converged iteration its next anchor until gaps and slips are those of exact multipliers.
+converged iteration its next anchor until gaps and slips match exact multipliers.
 
 In steps in time the stiffness of nodes has their inertia over the step in it. Springs of a `factor` of at least 1 hold
 gaps as multipliers do, with impulses that make velocities fit (docs/statics.md); softer ones lose energy.
@@ -27,7 +27,7 @@ EXACT = ActiveSet()
 class Penalty(ImplicitEnforcement):
     """Springs as stiff as the bodies' nodes, times `factor`: surfaces overlap by about their deflection over it.
 
-    factor  stiffness over that of the nodes in contact [-]
+    factor  stiffness over the stiffness of the nodes in contact [-]
     """
 
     exact: ClassVar[bool] = False
@@ -38,7 +38,7 @@ class Penalty(ImplicitEnforcement):
 
     @property
     def stores(self) -> bool:
-        """Whether springs are softer than the nodes: stiffer ones stop them within a step."""
+        """Return whether springs are softer than the nodes: stiffer springs stop them within a step."""
         return self.factor < 1.0
 
     def respond(self, conditions: Conditions, out: Response) -> None:
@@ -48,9 +48,9 @@ class Penalty(ImplicitEnforcement):
 
 @dataclass(frozen=True)
 class AugmentedLagrangian(ImplicitEnforcement):
-    """Springs whose forces are taken over again and again, until gaps are those of exact multipliers (Uzawa).
+    """Springs whose forces are taken over again and again, until gaps match exact multipliers (Uzawa).
 
-    factor  stiffness over that of the nodes in contact [-]; it decides how often, not where it ends
+    factor  stiffness over the stiffness of the nodes in contact [-]; it decides how often, not where it ends
     """
 
     augments: ClassVar[bool] = True
