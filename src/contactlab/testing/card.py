@@ -16,7 +16,7 @@ from contactlab.testing.check_part import PartReport
 from contactlab.testing.run import Outcome
 
 OUTCOMES = {"not applicable": "not-applicable"}
-"""Outcomes that are written otherwise in JSON."""
+"""Outcomes that have other names in JSON."""
 
 
 def as_data(reports: Sequence[PartReport]) -> dict[str, Any]:
@@ -48,7 +48,7 @@ def write_cards(reports: Sequence[PartReport], folder: Path) -> None:
     found = {"python": platform.python_version()} | {name: version(name) for name in LIBRARIES}
     for origin in sorted({report.origin for report in reports}):
         name, _, number = origin.rpartition(" ")
-        if name and not origin.endswith(".py"):  # a file is no distribution: its hash tells which one it was
+        if name and not origin.endswith(".py"):  # a file is no distribution: its hash identifies it
             found[name] = number
     data = {
         "date": datetime.now(UTC).strftime("%Y-%m-%d"),

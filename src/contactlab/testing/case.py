@@ -34,7 +34,7 @@ def failed(job: Job) -> Record:
 
 def is_data(case: Case) -> None:
     """A case pickles, compares, and its fields can be written down as JSON."""
-    require(pickle.loads(pickle.dumps(case)) == case, "it is not equal to what its pickle brings back")
+    require(pickle.loads(pickle.dumps(case)) == case, "it differs from its copy after pickling")
     json.dumps(as_data(case))
     hash(case)
 
@@ -44,20 +44,20 @@ def says_what_it_asks(case: Case) -> None:
     names = {field.name for field in fields(case)}  # type: ignore[arg-type]
     require(all((case.title, case.source, case.family)), "title, source or family is empty")
     for name, values in case.axes.items():
-        require(name in names, f"axes names {name}, which is no field of it ({', '.join(sorted(names))})")
-        require(len(values) == len(set(values)) > 1, f"the axis {name} has {values}: at least two values, each once")
-    require(case.margin is None or case.margin[0] in names, f"margin names {case.margin}, which is no field")
-    require(len(case.integrators) > 0 and len(case.elements) > 0, "it names no integrator or no element")
+        require(name in names, f"axes: got {name}, allowed: its fields ({', '.join(sorted(names))})")
+        require(len(values) == len(set(values)) > 1, f"axes: {name} has {values}, needed: two or more different values")
+    require(case.margin is None or case.margin[0] in names, f"margin: got {case.margin}, allowed: one of its fields")
+    require(len(case.integrators) > 0 and len(case.elements) > 0, "integrators or elements is empty")
 
 
 def measures_with_reasons(case: Case) -> None:
     """Every number has its own name, and every judged one a reason for its tolerance."""
     judged = [measure for setup in setups(case) for measure in case.measures(setup) if measure.role != "reported"]
-    require(len(judged) > 0, "nothing is judged, whatever the setup")
+    require(len(judged) > 0, "no setup has a judged measure")
     for setup in setups(case):
         measures = case.measures(setup)
         names = [measure.name for measure in measures]
-        require(len(names) == len(set(names)), f"a name stands twice among {', '.join(names)}")
+        require(len(names) == len(set(names)), f"two measures have the same name: {', '.join(names)}")
         for measure in measures:
             is_judged = measure.role != "reported"
             bounded = math.isfinite(measure.least) or math.isfinite(measure.most)
@@ -94,7 +94,7 @@ def plans_what_is_asked(case: Case) -> None:
     for name, setup in changed.items():
         if getattr(setup, name) == getattr(first, name) or case.applies(setup):
             continue
-        require(_scenes(case, setup) != planned, f"its runs are the same whatever the {name} of the setup is")
+        require(_scenes(case, setup) != planned, f"its runs do not depend on the {name} of the setup")
     if _scenes(case, replace(first, level=2)) == planned:
         tell("its runs are the same at level 2: nothing is refined")
 
@@ -107,7 +107,7 @@ def axes_change_the_runs(case: Case) -> None:
     for name, values in case.axes.items():
         planned = [_scenes(replace(case, **{name: value}), first) for value in values]  # type: ignore[type-var]
         alike = all(one == planned[0] for one in planned)
-        require(not alike, f"its runs are the same whatever {name} is, one of its axes")
+        require(not alike, f"its runs do not depend on {name}, one of its axes")
 
 
 def _scenes(case: Case, setup: Setup) -> list[object]:
@@ -115,7 +115,7 @@ def _scenes(case: Case, setup: Setup) -> list[object]:
 
 
 def outlives_failures(case: Case) -> None:
-    """Where every run fails, planning comes to an end, and evaluation leaves numbers out."""
+    """If every run fails, planning ends, and evaluation leaves numbers out."""
     for setup in setups(case):
         done: dict[str, Record] = {}
         while fresh := [job for job in case.plan(setup, done) if job.name not in done]:
@@ -123,7 +123,7 @@ def outlives_failures(case: Case) -> None:
             require(len(done) <= MOST_JOBS, f"it plans more than {MOST_JOBS} runs")
         values = evaluated(case, setup, done)
         wanted = {measure.name for measure in case.measures(setup)}
-        require(set(values) <= wanted, f"it finds what is no measure of it: {', '.join(set(values) - wanted)}")
+        require(set(values) <= wanted, f"evaluate returns what is not a measure: {', '.join(set(values) - wanted)}")
 
 
 CHECKS: tuple[Check, ...] = (

@@ -42,12 +42,12 @@ class PartReport:
 
     @property
     def right(self) -> bool:
-        """Whether something was checked and nothing failed."""
+        """Return whether something was checked and nothing failed."""
         return self.count("passed") > 0 and not self.count("failed")
 
 
 def check_names(kind: str) -> list[str]:
-    """Names of all checks of a part of this kind, in order; of contacts those of potentials as well."""
+    """Names of all checks of a part of this kind, in order; for contacts also the checks of potentials."""
     own = (*checks_for(kind), *(checks_for(kind, Potential) if kind == "contact" else ()))
     return list(dict.fromkeys(check.__name__ for check in (*FIRST, *own, *scenarios_for(kind))))
 
@@ -55,7 +55,7 @@ def check_names(kind: str) -> list[str]:
 def check_part(
     subject: Subject, told: Told | None = None, until_failure: bool = False, only: Collection[str] = ()
 ) -> PartReport:
-    """Run every check of one part, or those that `only` names; with `until_failure` stop at the first that fails."""
+    """Run every check of one part, or the checks in `only`; with `until_failure` stop at the first that fails."""
     began, outcomes = time.process_time(), []
     for outcome in _outcomes(subject, only):
         outcomes.append(outcome)
@@ -88,7 +88,7 @@ def _outcomes(subject: Subject, only: Collection[str]) -> Iterator[Outcome]:
             continue
         if fatal:
             says = " ".join((check.__doc__ or "").split())
-            yield Outcome(check.__name__, says, "not applicable", "left out: what every other check begins with failed")
+            yield Outcome(check.__name__, says, "not applicable", "skipped: a check on which all others depend failed")
             continue
         # a new instance; of two half passes the algorithm of each
         part = subject.make()
@@ -101,7 +101,7 @@ def _outcomes(subject: Subject, only: Collection[str]) -> Iterator[Outcome]:
             continue
         if failed:
             says = " ".join((scenario.__doc__ or "").split())
-            why = "left out: unit checks failed, and whole runs would only say so less clearly"
+            why = "skipped: unit checks failed, and whole runs would show that less clearly"
             yield Outcome(scenario.__name__, says, "not applicable", why)
         else:
             yield run_check(scenario, subject)
@@ -110,7 +110,7 @@ def _outcomes(subject: Subject, only: Collection[str]) -> Iterator[Outcome]:
 def keeps_the_contract(subject: Subject) -> None:
     """It is a class of its kind with all members of the contract, and can be made from usual values."""
     try:
-        subject.part_class  # noqa: B018 - raises where it is none
+        subject.part_class  # noqa: B018 - raises if it is none
         subject.make()
     except PartError as error:
         cause = error.__cause__
@@ -126,7 +126,7 @@ def fields_are_used(subject: Subject) -> None:
     """Every field is named by some code of the part: otherwise scenes set it in vain."""
     unused = unused_fields(subject.part_class)
     if unused:
-        raise AssertionError(f"no code of the part uses its field {', '.join(unused)}; use it, or leave it out")
+        raise AssertionError(f"the part does not use its field {', '.join(unused)}; use the field or remove it")
 
 
 FIRST = (keeps_the_contract, fields_are_used)

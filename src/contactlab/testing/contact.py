@@ -39,7 +39,7 @@ def some_conditions(algorithm: ContactMethod) -> None:
     require(np.all(np.diff(found.start) > 0), "start: a condition has no entries")
     require(found.node.min() >= 0 and found.node.max() < len(at.nodes), "node: outside the global numbers")
     require(len(np.unique(found.owner)) == k, "owner: two conditions belong to the same slot")
-    require(np.all(found.measure > 0.0), "measure: a condition stands for no length")
+    require(np.all(found.measure > 0.0), "measure: a condition has no length")
 
 
 def forces_cancel(algorithm: ContactMethod) -> None:
@@ -69,7 +69,7 @@ def weights_belong_to_the_gap(algorithm: ContactMethod) -> None:
 
 
 def weights_are_the_derivative(algorithm: ContactMethod) -> None:
-    """Where surfaces are flush, the weights are the derivative of the gaps by every node's position."""
+    """Weights of flush surfaces are the derivative of the gaps by every node's position."""
     at, step = flat().turned(0.3), 1e-6
     found = conditions(algorithm, at)
     weights = dense(found, found.normal_weight, len(at.nodes))
@@ -111,7 +111,7 @@ def tangents_run_along_the_slave(algorithm: ContactMethod) -> None:
     normal = dense(found, found.normal_weight, len(at.nodes))
     tangent = dense(found, found.tangent_weight, len(at.nodes))
     agree(tangent, np.stack([normal[..., 1], -normal[..., 0]], axis=-1), ROUND_OFF, "tangent weights")
-    require(conditions(algorithm, at).tangent_weight.shape == (0, 2), "tangent weights are made without friction")
+    require(conditions(algorithm, at).tangent_weight.shape == (0, 2), "tangent weights are not empty without friction")
 
 
 def measures_sum_to_the_cover(algorithm: ContactMethod) -> None:
@@ -175,7 +175,7 @@ def _patch_error(algorithm: ContactMethod, at: Chains) -> float:
 
 
 def nothing_when_apart(algorithm: ContactMethod) -> None:
-    """Surfaces out of reach of each other, above or beside, have no conditions."""
+    """Surfaces beyond the search distance, above or to the side, have no conditions."""
     at = flat()
     for away in ((0.0, 10.0 * at.spacing), (20.0, 0.0), (20.0, 10.0)):
         count = len(conditions(algorithm, at.lifted(away)).gap)
@@ -198,7 +198,10 @@ def rigid_motion_leaves_gaps(algorithm: ContactMethod) -> None:
     """Turning and shifting both surfaces together changes no gap, and turns the weights."""
     for at in (flat().lifted((0.0, 0.02)), curved()):
         before, after = conditions(algorithm, at), conditions(algorithm, at.turned(1.1, (3.0, -2.0)))
-        require(len(before.gap) == len(after.gap), f"{len(before.gap)} conditions become {len(after.gap)}")
+        require(
+            len(before.gap) == len(after.gap),
+            f"{len(before.gap)} conditions become {len(after.gap)} after a rigid motion",
+        )
         agree(after.gap, before.gap, 10.0 * ROUND_OFF, "gaps after a rigid motion")
         agree(after.measure, before.measure, 10.0 * ROUND_OFF, "measures after a rigid motion")
         turned = dense(before, before.normal_weight, len(at.nodes)) @ rotation(1.1).T

@@ -15,14 +15,14 @@ from contactlab.testing.surfaces import Chains, Rough, curved, flat
 STEP = 1e-6  # mm; differences of gaps then err by 1e-9, of forces of some hundred newtons per mm by 1e-7
 GAPS, FORCES = 1e-6, 1e-5
 SLIPS = {"quadratic edges": 1e-3}
-"""Of slips, where normals at the start of the step turn as feet move on a parabola: nobody follows that."""
+"""For slips if normals at the start of the step turn as projection points move on a parabola: derivatives omit that."""
 
 
 Answers = tuple[Floats, Floats, Floats]
 """Gaps (c,) and slips (c,) of chosen conditions, slips empty without friction; nodal forces (2N,) of all."""
 
 Bounds = tuple[float, float, float]
-"""What gaps, slips and nodal forces may be off by."""
+"""Tolerances of gaps, slips and nodal forces."""
 
 
 def answers_of(contact: ImplicitContact, position: Floats, forces: Floats, chosen: Ints) -> Answers:
@@ -42,7 +42,7 @@ def against_differences(
     """Raise AssertionError unless `gap`, `slip` and `force` of `given` are derivatives of the answers at a position.
 
     They are compared along a `move` (N, 2) of all nodes. Differences are of fourth order: normals at vertices turn by
-    200 rad/mm, which those of second order follow to 1e-3.
+    200 rad/mm, which second-order differences follow to 1e-3.
     """
     ahead, further = ([answers(position + k * s * STEP * move) for s in (1.0, -1.0)] for k in (1.0, 2.0))
     derivatives = given.gap, given.slip, given.force
@@ -57,7 +57,7 @@ def against_differences(
 
 
 class _Trial:
-    """A pair of the algorithm, asked for conditions and forces at positions (N, 2) after a step from others."""
+    """A pair of the algorithm, with conditions and forces at positions (N, 2) after a step from others."""
 
     def __init__(self, algorithm: ContactMethod, at: Chains, friction: bool) -> None:
         self.friction, self.start, nodes = friction, at.nodes, len(at.nodes)
@@ -81,10 +81,10 @@ class _Trial:
 
 
 def derivatives_are_right(algorithm: ContactMethod) -> None:
-    """Derivatives of gaps, slips and nodal forces are those of the conditions, with friction and without.
+    """Derivatives of gaps, slips and nodal forces match the conditions, with friction and without.
 
-    For an algorithm without derivatives the core's differences are judged instead: they are right where
-    tangent weights are normal ones turned by -90 degrees.
+    For an algorithm without derivatives the core's differences are judged instead: they are right if
+    tangent weights are normal weights turned by -90 degrees.
     """
     if algorithm.explicit_only:
         raise NotApplicable("the algorithm is for explicit runs alone")

@@ -35,7 +35,7 @@ def view_of(algorithm: ContactMethod, at: Chains, memory: Floats | None = None) 
 
 
 def asked(algorithm: Any, view: ContactView, garbage: bool = False) -> list[Floats]:
-    """The arrays that the algorithm gives for a view, those of the pieces in use."""
+    """Return the arrays that the algorithm gives for a view, up to the pieces in use."""
     if isinstance(algorithm, GapAlgorithm):
         found = algorithm.conditions(view, tangent=True)
         return [np.array(getattr(found, f.name)) for f in fields(found)]
@@ -69,9 +69,9 @@ def pieces_are_filled(algorithm: ContactMethod) -> None:
         raise NotApplicable("finished gap conditions come in arrays of their own")
     for at in (flat(), flat(order=2), curved()):
         clean, dirty = asked(algorithm, view_of(algorithm, at)), asked(algorithm, view_of(algorithm, at), garbage=True)
-        require(len(clean[0]) == len(dirty[0]), "the number of pieces depends on what was in the room before")
+        require(len(clean[0]) == len(dirty[0]), "the number of pieces depends on earlier contents of the arrays")
         for one, other in zip(clean, dirty, strict=True):
-            identical(other, one, "pieces in a room that was not empty")
+            identical(other, one, "pieces in arrays that were not empty")
 
 
 def arrays_are_of_their_types(algorithm: ContactMethod) -> None:
@@ -88,7 +88,7 @@ def arrays_are_of_their_types(algorithm: ContactMethod) -> None:
 
 
 def positions_change_in_place(algorithm: ContactMethod) -> None:
-    """Runs change arrays in place: the result is that of their present values."""
+    """Runs change arrays in place: the result follows their present values."""
     at = curved()
     moved = at.lifted((0.013, -0.006))
     view = view_of(algorithm, at)
@@ -101,10 +101,10 @@ def positions_change_in_place(algorithm: ContactMethod) -> None:
 
 
 def memory_is_all_it_remembers(algorithm: ContactMethod) -> None:
-    """Taken up from its memory by a new part that has seen other positions, it goes on with the same bits.
+    """A new part that has seen other positions resumes from the memory with the same bits.
 
     A slave glides in a bowl and back, so slowly that nodes stand where two segments are as near: there an algorithm
-    with memory answers by the side that it came from.
+    with memory answers by the side from which the node came.
     """
     way = np.concatenate([np.arange(0.0, GLIDE, STRIDE), np.arange(GLIDE, 0.0, -STRIDE)])
     slave, master = stations(-0.6, 0.6, 6, seed=3), stations(-1.0, 1.0, 7, seed=4)
@@ -116,29 +116,27 @@ def memory_is_all_it_remembers(algorithm: ContactMethod) -> None:
         answers.append(asked(algorithm, view_of(algorithm, at, memory)))
         memories.append(memory)
     kept = any(memory.any() for memory in memories)
-    require(
-        kept or not algorithm.memory_size, f"memory_size is {algorithm.memory_size}, and nothing is ever kept in it"
-    )
+    require(kept or not algorithm.memory_size, f"memory_size is {algorithm.memory_size}, and the memory stays zero")
     aside, again = np.zeros_like(memories[0]), replace(algorithm)  # type: ignore[type-var]
     for number in reversed(range(len(path))):
         asked(again, view_of(again, path[number], aside))
         memory = memories[number].copy()
         for one, other in zip(asked(again, view_of(again, path[number], memory)), answers[number], strict=True):
-            identical(one, other, f"answers at position {number} of a new part that was given the memory")
-        identical(memory, memories[number + 1], "memory of a new part that was given that of another")
-    require(copy.copy(algorithm) == algorithm, "a copy of the part is not equal to it: it holds more than its fields")
+            identical(one, other, f"answers at position {number} of a new part with the same memory")
+        identical(memory, memories[number + 1], "memory after a step of a new part with the same memory")
+    require(copy.copy(algorithm) == algorithm, "a copy of the part differs from it: it holds more than its fields")
 
 
 def reach_is_kept(algorithm: ContactMethod) -> None:
-    """Of surfaces that are farther apart than the reach of the view nothing is given, near as they may be listed."""
+    """Surfaces farther apart than the view's `reach` have no conditions, even if they are listed as near."""
     view = view_of(algorithm, flat().lifted((0.0, GLIDE)))
     found = asked(algorithm, view._replace(reach=0.5 * GLIDE))
     given = max(0, len(found[0]) - (1 if isinstance(algorithm, GapAlgorithm) else 0))
-    require(given == 0, f"{given} conditions or pieces at gaps of {GLIDE} mm where reach is {0.5 * GLIDE} mm")
+    require(given == 0, f"{given} conditions or pieces at gaps of {GLIDE} mm, though reach is {0.5 * GLIDE} mm")
 
 
 def a_notch_is_held_by_both_sides(algorithm: ContactMethod) -> None:
-    """Where a node may carry several conditions, one in a notch of the master is constrained by both of its sides."""
+    """A node in a notch of the master is constrained by both sides, if nodes may carry several conditions."""
     if algorithm.rows_per_node < 2 or getattr(algorithm, "points_press", False):
         raise NotApplicable("a node carries one condition, or none of its own")
     x = np.array([-1.0, 0.0, 1.0])
@@ -152,7 +150,9 @@ def a_notch_is_held_by_both_sides(algorithm: ContactMethod) -> None:
     normal = dense(found, found.normal_weight, len(at.nodes))[own][:, at.slave.nodes].sum(axis=1)
     sides = np.array([[-NOTCH, 1.0], [NOTCH, 1.0]]) / np.hypot(NOTCH, 1.0)
     off = min(float(np.abs(normal[order] - sides).max()) for order in ([0, 1], [1, 0]))
-    require(off < 1e-9, f"normals of a node in a notch are {normal.round(4).tolist()}, expected those of both sides")
+    require(
+        off < 1e-9, f"normals of a node in a notch are {normal.round(4).tolist()}, expected the normals of both sides"
+    )
 
 
 CHECKS: tuple[Check, ...] = (

@@ -56,7 +56,7 @@ class Scenery:
 
 
 def added(effect: Effect, view: EffectView, since: float = SINCE) -> Callable[[float, Floats], Any]:
-    """What adds the forces; of an effect with memory those `since` [s] after the memory of the start."""
+    """Return the function that adds forces; with memory it acts `since` [s] after the memory of the start."""
     add = effect.bind(view)
     if not effect.memory:
         return add
@@ -84,7 +84,7 @@ def _shares(names: Sequence[str]) -> tuple[Ints, Floats]:
 
 
 def _times(effect: Effect) -> tuple[float, ...]:
-    """Times [s] at which to look: usual ones, those that it declares, and between and beside these."""
+    """Times [s] to test: usual ones, the times that it declares, and times between and next to them."""
     own = sorted({0.0, *(time for time in effect.times() if np.isfinite(time))})
     between = [a + share * (b - a) for a, b in pairwise(own) for share in (0.25, 0.5, 0.75)]
     return (*TIMES, *between, *own[1:])
@@ -94,11 +94,11 @@ def gives_forces(effect: Effect) -> None:
     """Forces are finite, and some node feels one in some state and at some time."""
     found = [force for seed in range(3) for force in Scenery.moving(seed).forces(effect, _times(effect))]
     require(all(np.isfinite(force).all() for force in found), "a force is not finite")
-    require(any(force.any() for force in found), "no node ever feels a force; a scene would better leave it out")
+    require(any(force.any() for force in found), "no node has a force in any state; leave the effect out of the scene")
 
 
 def adds_to_what_is_there(effect: Effect) -> None:
-    """Forces are added to those of other effects and loads."""
+    """Forces are added to the forces of other effects and loads."""
     scenery = Scenery.moving(1)
     alone = scenery.forces(effect, (0.3,))[0]
     before = np.random.default_rng(2).uniform(-1.0, 1.0, alone.shape) * max(1.0, float(np.abs(alone).max()))
@@ -126,7 +126,7 @@ def remembers_nothing(effect: Effect) -> None:
     forward = Scenery.moving(5).forces(effect, times)
     backward = Scenery.moving(5).forces(effect, times[::-1])[::-1]
     for time, one, other in zip(times, forward, backward, strict=True):
-        identical(one, other, f"forces at {time} s, asked in another order")
+        identical(one, other, f"forces at {time} s, evaluated in another order")
 
 
 def memory_counts(effect: Effect) -> None:
@@ -138,15 +138,15 @@ def memory_counts(effect: Effect) -> None:
     force, later = np.zeros_like(view.reference), np.zeros_like(view.reference)
     with untouched(**start):
         found = add(0.3, force, SINCE, start)
-    require(isinstance(found, dict), f"its function gave {type(found).__name__}, needed: its memory, a dict")
+    require(isinstance(found, dict), f"its function returned {type(found).__name__}, needed: its memory, a dict")
     for name in effect.memory:
-        require(name in found, f"its function gives no {name} back, which memory {effect.memory} names")
+        require(name in found, f"its function does not return {name}, declared in memory {effect.memory}")
         value = np.asarray(found[name], np.float64)
         require(value.shape in ((), start[name].shape), f"{name}: got shape {value.shape}, allowed: a number or (N,)")
         require(bool(np.isfinite(value).all()), f"{name} is not finite")
         require(bool(np.any(value != start[name])), f"a step never changes {name}")
         add(0.3, later, SINCE, {**start, name: start[name] + 0.1})
-        require(not np.array_equal(later, force), f"it declares {name}, and no force follows it")
+        require(not np.array_equal(later, force), f"it declares {name}, but no force depends on it")
         later[:] = 0.0
 
 
@@ -166,16 +166,16 @@ def numbers_count(effect: Effect) -> None:
         return Scenery.moving(7).forces(other, times)
 
     for name in without_effect(effect, observe):
-        raise AssertionError(f"the field {name} changes no force, whatever it is")
+        raise AssertionError(f"the field {name} never changes a force")
     for field in dataclasses.fields(effect):  # type: ignore[arg-type]
         if field.name == "profile" and effect.profile is None:  # type: ignore[attr-defined]
             wave = dataclasses.replace(effect, profile=Profile(by="x", cosine=(1.0, 0.5, 1.7)))  # type: ignore[type-var]
             same = all(map(np.array_equal, observe(effect), observe(wave)))
-            require(not same, "the field profile changes no force, whatever it is")
+            require(not same, "the field profile never changes a force")
 
 
 def units_do_not_matter_to_it(effect: Effect) -> None:
-    """In m, ms and kPa in place of mm, s and MPa it has the same forces, by the units of its docstring."""
+    """In m, ms and kPa instead of mm, s and MPa it has the same forces, by the units of its docstring."""
     for one in (effect, *(other for _, other in varied(effect))):
         other, view = in_other_units(one), Scenery.moving(13).view
         scaled = view._replace(
@@ -198,13 +198,13 @@ def masses_are_asked_for(effect: Effect) -> None:
         if type(error) is ValueError and "broadcast" not in str(error):
             return  # the effect has refused it
         what = f"without masses, as in statics, it raises {type(error).__name__}: {error}"
-        raise AssertionError(f"{what}; declare needs_mass = True, or refuse it by a ValueError") from error
+        raise AssertionError(f"{what}; declare needs_mass = True, or raise a ValueError in statics") from error
 
 
 def work_around_a_path_is_declared(effect: Effect) -> None:
     """Around closed paths of displacements the forces do no work, if the part declares that it is `conservative`."""
     if effect.memory:
-        raise NotApplicable("its forces follow its memory: what they do around a path depends on its time")
+        raise NotApplicable("its forces depend on its memory: their work around a path depends on time")
     scenery = Scenery.moving(8)
     view, rng = scenery.view, np.random.default_rng(9)
     view.velocity[:] = 0.0
@@ -221,7 +221,10 @@ def work_around_a_path_is_declared(effect: Effect) -> None:
             work, size = work + done, size + abs(done)
     still = size > 0.0 and abs(work) <= 1e-3 * size  # midpoint sums err by the square of a part
     _declared(
-        effect.conservative, still, "conservative", f"a closed path takes a work of {work:.2e}, of {size:.2e} in all"
+        effect.conservative,
+        still,
+        "conservative",
+        f"the work around a closed path is {work:.2e} mJ, of {size:.2e} mJ in all",
     )
 
 
@@ -233,7 +236,9 @@ def power_is_declared(effect: Effect) -> None:
         powers += [float((force * scenery.view.velocity).sum()) for force in scenery.forces(effect)]
     most = max(abs(power) for power in powers)
     takes = most > 0.0 and max(powers) <= ROUND_OFF * most
-    _declared(effect.dissipates, takes, "dissipates", f"a motion is driven with a power of {max(powers):.2e}")
+    _declared(
+        effect.dissipates, takes, "dissipates", f"its forces drive a motion with a power of {max(powers):.2e} mJ/s"
+    )
 
 
 def resultants_are_declared(effect: Effect) -> None:
@@ -247,7 +252,7 @@ def resultants_are_declared(effect: Effect) -> None:
             moment = float((x[:, 0] * force[:, 1] - x[:, 1] * force[:, 0]).sum())
             worst = max(worst, float(np.abs(force.sum(axis=0)).max()) / size, abs(moment) / size)
     within = worst <= 1e3 * ROUND_OFF
-    _declared(effect.internal, within, "internal", f"a resultant or moment of {worst:.1e} of the forces")
+    _declared(effect.internal, within, "internal", f"a resultant or moment is {worst:.1e} of the forces")
 
 
 def times_are_declared(effect: Effect) -> None:
@@ -265,11 +270,11 @@ def times_are_declared(effect: Effect) -> None:
 
 
 def points_and_vectors_are_fields(effect: Effect) -> None:
-    """What it declares as `points` and `vectors` are fields with two numbers."""
+    """Names in `points` and `vectors` are fields with two numbers."""
     for name in (*effect.points, *effect.vectors):
         value = getattr(effect, name, None)
         two = isinstance(value, tuple) and len(value) == 2 and all(isinstance(x, float | int) for x in value)
-        require(two, f"points and vectors: got {name}, allowed: names of fields with two numbers; it is {value!r}")
+        require(two, f"points and vectors: got {name} ({value!r}), allowed: names of fields with two numbers")
 
 
 def _declared(says: bool, fact: bool, tag: str, found: str) -> None:

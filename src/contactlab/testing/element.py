@@ -40,7 +40,7 @@ def edges_of_the_cell(element: Element) -> None:
         along = end - start
         left = np.array([-along[1], along[0]])
         require(np.hypot(*along) == 2.0, f"edge {edge}: its first two nodes are not the ends of a side")
-        require(left @ -start > 0.0, f"edge {edge}: the cell lies on the right; turn it round")
+        require(left @ -start > 0.0, f"edge {edge}: the cell lies on its right; reverse the edge")
         on_side = {k for k, node in enumerate(nodes) if left @ (node - start) == 0.0}
         require(on_side == set(edge), f"edge {edge}: the nodes on this side are {sorted(on_side)}")
         seen.add(frozenset(edge))
@@ -184,7 +184,7 @@ def lumped_mass(element: Element) -> None:
     """Every node of a distorted cell has positive mass, and they sum to the area."""
     cells = distorted_cells(element, 20)
     measures = cell_measures(cells.mesh, element)
-    require(np.all(measures > 0.0), f"lumping {element.lumping!r} gives a node of a cell no or negative mass")
+    require(np.all(measures > 0.0), f"lumping {element.lumping!r} gives a node zero or negative mass")
     points, weights = gauss()
     area = jacobians(cells.mesh, element, points) @ weights
     agree(measures.sum(axis=1) / area, np.ones(20), 1e-10, "lumped mass over density times area")
@@ -213,7 +213,7 @@ def stabilisation_sees_no_linear_field(element: Element) -> None:
     force = cells.stabilising_force(cells.nodes @ np.array([[0.3, 0.7], [-1.1, 0.4]]) + 0.5)
     agree(force, np.zeros_like(force), 1e-11, "stabilising forces of a linear displacement")
     random = np.random.default_rng(8).normal(size=cells.nodes.shape)
-    require(float((random * cells.stabilising_force(random)).sum()) > 0.0, "stabilising forces take no work")
+    require(float((random * cells.stabilising_force(random)).sum()) > 0.0, "stabilising forces do no work")
 
 
 def any_cut_gives_the_same(element: Element) -> None:
@@ -252,7 +252,12 @@ def kernels_are_at_the_points(element: Element) -> None:
     got = cell.gradient(field)
     if not element.exact:
         weights = element.quadrature().weights
-        agree(got @ weights, np.stack([xx, xy, yx, yy]) @ weights, 1e-11, "mean gradient, and that of shape functions")
+        agree(
+            got @ weights,
+            np.stack([xx, xy, yx, yy]) @ weights,
+            1e-11,
+            "mean gradient by kernels and by shape functions",
+        )
         raise NotApplicable("assumes the gradient of the shape functions at each point: exact is False")
     for name, one, other in (("xx - yy", got[0] - got[3], xx - yy), ("xy", got[1], xy), ("yx", got[2], yx)):
         agree(one, other, 1e-11, f"{name} of the gradient by the kernels, and by shape functions at the points")
@@ -268,8 +273,8 @@ def locking_is_declared(element: Element) -> None:
     seen = float(np.abs(xx + yy).max())
     require(
         element.locks or seen < 1e-6,
-        f"locks is False, and a motion that keeps volumes changes those at its points by {seen:.2f}, where its strains "
-        "are about 1: plastic flow is too stiff; declare locks = True",
+        f"locks is False, but in an isochoric motion with strains of 1 volumes at its points change by {seen:.2f}: "
+        "plastic flow is too stiff; declare locks = True",
     )
 
 

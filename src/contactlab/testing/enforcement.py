@@ -29,7 +29,7 @@ def _far(enforcement: Enforcement) -> float:
     if not enforcement.pressure_before_contact:
         return 0.3
     if not enforcement.length_scale:
-        raise NotApplicable("pressure_before_contact without a length_scale: nothing says where it begins")
+        raise NotApplicable("pressure_before_contact without a length_scale: the gap where it begins is unknown")
     return FAR * scale_of(enforcement, "length_scale", 1.0)
 
 
@@ -39,7 +39,7 @@ def _explicit(enforcement: Enforcement) -> None:
 
 
 def is_the_direct_solution(enforcement: Enforcement) -> None:
-    """Forces of 50 coupled frictionless rows are those of a direct active-set solution."""
+    """Forces of 50 coupled frictionless rows match a direct active-set solution."""
     _explicit(enforcement)
     if not enforcement.exact:
         raise NotApplicable("assumes that closed gaps become zero: exact is False")
@@ -60,16 +60,19 @@ def conditions_hold(enforcement: Enforcement) -> None:
     left = gap + matrix @ y
     require(np.all(y >= 0.0), f"a row pulls with {-y.min():.1e} N")
     if enforcement.exact:
-        require(left.min() >= -1e-9, f"a gap of {left.min():.1e} is left")
+        require(left.min() >= -1e-9, f"a gap of {left.min():.1e} mm is left, allowed -1e-9 mm")
         agree(y * left, np.zeros(COUNT), 1e-9 * y.max(), "force times gap")
         return
-    require(bool(y.any()), "no row has a force, though many overlap")
+    require(bool(y.any()), "no row has a force, but many overlap")
     # springs act by the predicted gap, or by the one that is left
     idle = (gap < 0.0) & (left < 0.0) & (y == 0.0)
     require(not idle.any(), f"{int(idle.sum())} rows overlap before and after the solve and have no force")
     if not enforcement.pressure_before_contact:
         open_ = (np.minimum(gap, left) > 0.0) & (y > 0.0)
-        require(not open_.any(), f"{int(open_.sum())} rows have a force though they are open (pressure_before_contact)")
+        require(
+            not open_.any(),
+            f"{int(open_.sum())} open rows have a force; declare pressure_before_contact if that is meant",
+        )
 
 
 def forces_are_the_rows(enforcement: Enforcement) -> None:
@@ -165,16 +168,16 @@ def friction_keeps_its_bound(enforcement: Enforcement) -> None:
     require(np.all(np.abs(rub) <= limit * (1.0 + 1e-12)), "a tangential force exceeds its bound")
     moved = slip + (tangent * (compliance * force)).sum(axis=(1, 2))
     stick = np.abs(rub) < limit * (1.0 - 1e-9)
-    require(bool(stick.any()), "no row sticks, though some of these hardly move: every force is at its bound")
+    require(bool(stick.any()), "no row sticks, but some of them hardly move: every force is at its bound")
     if not enforcement.time_scale:  # a bound that falls with the rate is reached by none of them
-        require(bool((~stick & (y > 0.0)).any()), "no row slips at its bound, though some of these move far")
+        require(bool((~stick & (y > 0.0)).any()), "no row slips at its bound, but some of them move far")
     if enforcement.exact and not enforcement.time_scale:
         agree(moved[stick], np.zeros(stick.sum()), 1e-9, "slip of sticking rows")
-    require(np.all((rub * moved)[~stick] <= 1e-9), "a sliding row is pushed along its slip")
+    require(np.all((rub * moved)[~stick] <= 1e-9), "friction of a slipping row acts along its slip")
 
 
 def units_do_not_matter_to_them(enforcement: Enforcement) -> None:
-    """In m, ms and kPa in place of mm, s and MPa explicit forces are the same, by the units of the docstring."""
+    """In m, ms and kPa instead of mm, s and MPa explicit forces are the same, by the units of the docstring."""
     _explicit(enforcement)
     other = in_other_units(enforcement)
     rows, compliance, _, gap = _problem(8)

@@ -143,7 +143,7 @@ def response_is_linearised(enforcement: Enforcement) -> None:
 def _agree_where_smooth(got: Floats, expected: tuple[Floats, Floats], row: int, what: str) -> None:
     forward, backward = expected[0][row], expected[1][row]
     smooth = np.abs(forward - backward) < 1e-6
-    require(int(smooth.sum()) > COUNT // 2, f"{what}: the residual jumps or bends at most slots")
+    require(int(smooth.sum()) > COUNT // 2, f"{what}: the residual has jumps or kinks at most slots")
     agree(got[smooth], forward[smooth], 1e-6, f"{what} against differences of the residual")
 
 
@@ -155,37 +155,37 @@ def closed_gaps_bear_forces(enforcement: Enforcement) -> None:
     require(np.all(done.force[0] >= -1e-12), f"a condition pulls with {-done.force[0].min():.1e} N")
     require(np.all(done.force[0][overlapping] > 0.0), "an overlap has no force")
     gone = ~free.present if part.pressure_before_contact else ~overlapping
-    agree(done.force[0][gone], 0.0 * done.force[0][gone], 1e-12, "force where it is open or not there")
+    agree(done.force[0][gone], 0.0 * done.force[0][gone], 1e-12, "force of an open or absent condition")
     if part.pressure_before_contact:
         order = np.argsort(free.gap[overlapping] * free.stiffness[overlapping])
         require(bool(done.force[0][overlapping][order[0]] > 0.0), "the deepest overlap has no force")
-        raise NotApplicable("assumes that what is open has no force: pressure_before_contact is True")
+        raise NotApplicable("assumes that open conditions have no force: pressure_before_contact is True")
     full = -free.gap * free.stiffness
     require(
-        np.all(done.force[0][overlapping] <= full[overlapping] * (1.0 + 1e-9)), "a force opens what it should close"
+        np.all(done.force[0][overlapping] <= full[overlapping] * (1.0 + 1e-9)), "a force exceeds what closes its gap"
     )
-    require(np.all(done.status[overlapping] > 0), "status: a closed condition is told as open")
-    require(np.all(done.status[~overlapping] == 0), "status: an open condition is told as closed")
+    require(np.all(done.status[overlapping] > 0), "status: a closed condition is reported as open")
+    require(np.all(done.status[~overlapping] == 0), "status: an open condition is reported as closed")
 
 
 def exactness_is_declared(enforcement: Enforcement) -> None:
     """Closed gaps are zero if the part declares that it is `exact`; springs leave an overlap."""
     part = _implicit(enforcement)
     if part.pressure_before_contact:
-        require(not part.exact, "pressure_before_contact is True, so that closed gaps are not zero: exact = False")
+        require(not part.exact, "pressure_before_contact is True, so closed gaps are not zero; declare exact = False")
         raise NotApplicable("assumes that pressure begins where the gap closes: pressure_before_contact is True")
     done, free = _solve(part, friction=False)
     closed = done.force[0] > 0.0
     left = float(np.abs(done.gap[closed]).max())
     if part.exact:
-        require(left <= CLOSED, f"a closed gap of {left:.1e} is left, allowed {CLOSED:.0e}: exact is True")
+        require(left <= CLOSED, f"a closed gap is {left:.1e} mm, allowed {CLOSED:.0e} mm: exact is True")
     elif left <= CLOSED:
         tell("closed gaps are zero; declare exact = True")
     else:
         worst = float(np.abs(free.gap[closed]).max())
-        text = f"an overlap of {left:.1e} is left of one of {worst:.1e}: that is hardly contact"
+        text = f"an overlap of {left:.1e} mm is left of {worst:.1e} mm, allowed: a tenth of it"
         require(bool(part.length_scale) or left < 0.1 * worst, text)  # a curve gives way by its own length
-        raise Expected(f"a closed gap of {left:.1e} is left; exact is False")
+        raise Expected(f"a closed gap is {left:.1e} mm; exact is False")
 
 
 def friction_keeps_its_bound(enforcement: Enforcement) -> None:
@@ -199,32 +199,30 @@ def friction_keeps_its_bound(enforcement: Enforcement) -> None:
     require(over <= 1e-9, f"a tangential force exceeds its bound by {over:.1e} N")
     sliding = (np.abs(rub) >= limit - 1e-9) & (limit > 0.0)
     sticking = (limit > 0.0) & ~sliding
-    require(bool(sliding.any()) or bool(part.time_scale), "no force is at its bound, though some slots move far")
-    require(
-        bool(sticking.any()) or bool(part.length_scale), "every force is at its bound, though some slots hardly move"
-    )
+    require(bool(sliding.any()) or bool(part.time_scale), "no force is at its bound, but some slots move far")
+    require(bool(sticking.any()) or bool(part.length_scale), "every force is at its bound, but some slots hardly move")
     if part.time_scale:
         raise NotApplicable("assumes that what slips carries its whole bound: it depends on the rate (time_scale)")
-    require(np.all((rub * done.slip)[sliding] <= 1e-9), "a sliding condition is pushed along its slip")
+    require(np.all((rub * done.slip)[sliding] <= 1e-9), "friction of a slipping condition acts along its slip")
     slip = float(np.abs(done.slip[sticking]).max(initial=0.0))
     allowed = CLOSED if part.exact else 0.1
-    require(slip <= allowed, f"what sticks slips by {slip:.1e} mm, allowed {allowed:.0e}")
-    require(np.all(done.status[sticking] == 1), "status: a sticking condition is not told as 1")
-    require(np.all(done.status[sliding] == 2), "status: a sliding condition is not told as 2")
+    require(slip <= allowed, f"a sticking condition slips by {slip:.1e} mm, allowed {allowed:.0e} mm")
+    require(np.all(done.status[sticking] == 1), "status: a sticking condition is not reported as 1")
+    require(np.all(done.status[sliding] == 2), "status: a slipping condition is not reported as 2")
 
 
 def what_rests_keeps_its_friction(enforcement: Enforcement) -> None:
     """A condition that has not slipped since the last step carries the friction that it had there."""
     part = _implicit(enforcement)
     if part.time_scale:
-        raise NotApplicable("assumes that friction at rest is what it was: it depends on the rate (time_scale)")
+        raise NotApplicable("assumes that friction at rest does not change: it depends on the rate (time_scale)")
     conditions, _ = some_conditions()
     conditions.slip[:], conditions.gap[:] = 0.0, -np.abs(conditions.gap) * scale_of(part, "length_scale", 1.0)
     conditions.force[1] = 0.3 * MU * conditions.force[0] * np.sign(conditions.force[1])
     conditions.anchor[1] = conditions.force[1]
     held = conditions.present & (conditions.force[0] > 0.1)
     found = _respond(part, conditions).residual[1][held]
-    agree(found, 0.0 * found, 1e-9, "residual of friction that is the one of the step before, without slip")
+    agree(found, 0.0 * found, 1e-9, "residual of the last step's friction, without slip")
 
 
 def numbers_change_the_response(enforcement: Enforcement) -> None:
@@ -232,8 +230,8 @@ def numbers_change_the_response(enforcement: Enforcement) -> None:
     part = _implicit(enforcement)
     for name in without_effect(part, lambda other: _all_of(other)):
         if part.exact:
-            raise NotApplicable(f"exact is True, and the field {name} changes no residual")
-        raise AssertionError(f"the field {name} changes no residual and no status, whatever it is")
+            raise NotApplicable(f"exact is True, so the field {name} need not change a residual")
+        raise AssertionError(f"the field {name} never changes a residual or a status")
 
 
 def _all_of(part: ImplicitEnforcement) -> list[Floats]:
@@ -248,7 +246,7 @@ def _all_of(part: ImplicitEnforcement) -> list[Floats]:
 
 
 def units_do_not_matter_to_it(enforcement: Enforcement) -> None:
-    """In m, ms and kPa in place of mm, s and MPa it has the same forces, by the units of its docstring."""
+    """In m, ms and kPa instead of mm, s and MPa it has the same forces, by the units of its docstring."""
     part = _implicit(enforcement)
     other, (conditions, _) = in_other_units(part), some_conditions()
     scale = scale_of(part, "length_scale", 1e-3)
@@ -276,7 +274,7 @@ def few_iterations(enforcement: Enforcement) -> None:
     slopes = np.stack([_respond(part, replace(conditions, gap=np.full(COUNT, gap))).by_gap[0] for gap in sweep])
     smooth = any(len(np.unique(slot)) > 4 for slot in slopes.T)
     # each piece is linear: open or closed, then stick or slip, and a sign that turns. Where pieces are joined by a bend
-    # there follow those of quadratic convergence: six, as 0.5 to the power of 2^6 is below round-off
+    # iterations of quadratic convergence follow: six, as 0.5 to the power of 2^6 is below round-off
     allowed, kind = (12, "bend smoothly") if smooth else (6, "are piecewise linear")
     for seed in range(3):
         done, _ = _solve(part, friction=True, seed=seed)

@@ -54,7 +54,7 @@ BY_TYPE: dict[Any, Any] = {
     float: 1.0, int: 2, bool: True,
     tuple[float, float]: (1.0, 0.5), tuple[float, ...]: (1.0, 0.5), tuple[int, int]: (2, 2),
 }  # fmt: skip
-"""Values for fields whose names tell nothing."""
+"""Values for fields with other names."""
 
 
 def example(registry: Registry, kind: str, name: str) -> Any:
@@ -83,9 +83,9 @@ def guesses(cls: type, given: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def refused(names: Iterable[str], because: str) -> NotApplicable:
-    """What to say where a part takes no guess."""
+    """Return the reason if a part accepts no guess."""
     return NotApplicable(
-        f"no usual value is known for {', '.join(names)}, and guesses are refused: {because}{_give(names)}"
+        f"no usual value is known for {', '.join(names)}, and the part refuses guesses: {because}{_give(names)}"
     )
 
 

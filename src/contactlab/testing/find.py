@@ -20,7 +20,7 @@ from contactlab.testing.subject import Subject
 def subjects(
     target: str, kind: str = "", files: Sequence[str] = (), given: Mapping[str, Any] | None = None
 ) -> list[Subject]:
-    """The parts that `target` means, of one kind alone if one is given. Raises RequestError where there is none."""
+    """The parts that `target` means, of one kind alone if one is given. Raises RequestError if there is none."""
     if kind and kind not in KINDS:
         hint = did_you_mean(kind, KINDS)
         raise RequestError("there is no such kind", where="--kind", got=kind, allowed=", ".join(KINDS), hint=hint)
@@ -97,7 +97,7 @@ class _Project(Distribution):
 
     @property
     def name(self) -> str:
-        """As it would be installed under."""
+        """Name under which it would be installed."""
         return str(self.table.get("name", self.folder.name))
 
     @property

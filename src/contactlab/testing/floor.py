@@ -80,7 +80,7 @@ class ImplicitFloor:
         return True
 
     def dissipation(self) -> float:
-        """What the slips of the conditions take."""
+        """Return the energy that the slips of the conditions dissipate."""
         c = self.conditions
         return -float(c.force[1] @ c.slip) if len(c.slip) else 0.0
 
@@ -100,7 +100,7 @@ class ImplicitFloor:
         return 1.0
 
     def scale(self, flexibility: Floats) -> None:
-        """Stiffnesses of the conditions from those of single nodes (N, 2) [mm/N]."""
+        """Set stiffnesses of the conditions from flexibilities of single nodes (N, 2) [mm/N]."""
         held = flexibility[:, 1] == 0.0
         self.conditions.stiffness[:] = np.divide(1.0, flexibility[:, 1], out=np.full(len(held), np.inf), where=~held)
         self.conditions.present[:] = ~held
@@ -116,6 +116,6 @@ class ImplicitFloor:
         return ContactDerivatives(normal, along, normal, along, csr_array((size, size)))
 
     def directions(self, chosen: Ints) -> tuple[Any, Any]:
-        """Those of the forces, which are constant."""
+        """Return directions of the forces, which are constant."""
         found = self.linearise(chosen)
         return found.normal, found.tangent

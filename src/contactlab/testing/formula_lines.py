@@ -1,4 +1,4 @@
-"""Which lines of a part's formulas ran, while these run as plain Python."""
+"""Lines of a part's formulas that ran, while formulas run as plain Python."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ VARIABLE = "CONTACTLAB_PYTHON"
 
 @dataclass(frozen=True)
 class FormulaRun:
-    """One formula: where it stands, its lines with code, and those among them that did not run."""
+    """A formula: its place, its lines with code, and the lines among them that did not run."""
 
     name: str
     file: str
@@ -26,7 +26,7 @@ class FormulaRun:
 
     @property
     def share(self) -> str:
-        """How many of its lines ran."""
+        """Number of its lines that ran, as text."""
         return f"{len(self.lines) - len(self.missed)} of {len(self.lines)}"
 
 
@@ -80,7 +80,7 @@ class FormulaLines:
 
 
 def _lines(code: CodeType) -> Iterator[int]:
-    """Lines with code of a function and of what is defined in it, without that of its name."""
+    """Lines with code of a function and of what is defined in it, without the line of its name."""
     for _, _, line in code.co_lines():
         if line is not None and line != code.co_firstlineno:
             yield line

@@ -14,8 +14,8 @@ from contactlab.testing.other_values import varied, without_effect
 from contactlab.testing.units import STRESS, in_other_units, scale_of_unit
 
 FORCES = np.linspace(0.0, 100.0, 21)  # N, normal forces on a node
-LENGTH = 0.5  # mm, what the node stands for
-COUNT = 24  # multipliers that a law with needs is asked for together
+LENGTH = 0.5  # mm, length of the node
+COUNT = 24  # multipliers of one call of a law with needs
 UNITS: Mapping[str, str] = {
     "pressure": "MPa", "slip_rate": "mm/s", "dt": "s", "time": "s", "position": "mm", "cell_size": "mm",
 }  # fmt: skip
@@ -32,7 +32,7 @@ def limit(bound: Any, normal_force: float, measure: float = LENGTH) -> Any:
 
 
 def inputs_of(law: FrictionLaw) -> dict[str, Any]:
-    """What the law needs, for `COUNT` multipliers: pressures from 0 to 1 GPa, rates from 0 to 100 m/s both ways."""
+    """Needs of the law for `COUNT` multipliers: pressures from 0 to 1 GPa, rates from 0 to 100 m/s both ways."""
     place = np.arange(COUNT)
     rate = np.where(place > 0, 10.0 ** np.linspace(-3.0, 5.0, COUNT), 0.0) * np.where(place % 2, -1.0, 1.0)
     pressure = np.concatenate([[0.0], 10.0 ** np.linspace(-2.0, 3.0, COUNT - 1)])[(place * 7) % COUNT]
@@ -49,7 +49,7 @@ def start_of(law: FrictionLaw, count: int = COUNT) -> dict[str, Floats]:
     """Memory (count,) of the law at the start of a run."""
     given = law.start()
     unknown = sorted(set(given) - {*law.memory})
-    require(not unknown, f"start gives {', '.join(unknown)}, which memory {law.memory} does not name")
+    require(not unknown, f"start returns {', '.join(unknown)}, not declared in memory {law.memory}")
     return {name: np.full(count, float(given.get(name, 0.0))) for name in law.memory}
 
 
@@ -67,7 +67,7 @@ def evolved(law: FrictionLaw, inputs: Mapping[str, Any], memory: Mapping[str, Fl
         return {}
     found = law.evolve(**inputs, **memory)
     unknown = sorted(set(found) - {*law.memory})
-    require(not unknown, f"evolve gives {', '.join(unknown)}, which memory {law.memory} does not name")
+    require(not unknown, f"evolve returns {', '.join(unknown)}, not declared in memory {law.memory}")
     count = _count(inputs, memory)
     after = {name: _full(f"evolve: {name}", value, count) for name, value in found.items()}
     for name, value in after.items():
@@ -131,7 +131,7 @@ def numbers_in_range(law: FrictionLaw) -> None:
 def bound_grows_with_pressure(law: FrictionLaw) -> None:
     """More pressure never allows less friction, and no force is allowed to be negative."""
     if "pressure" in law.needs:
-        raise NotApplicable("the bound follows the pressure of the last step (needs): a law may fall with it")
+        raise NotApplicable("the bound depends on the last step's pressure (needs) and may fall with it")
     bound = bound_of(law, *_usual(law))
     limits = np.array([limit(bound, float(force)) for force in FORCES])
     require(limits[0].min() >= 0.0, f"the bound without pressure is {limits[0].min()}, allowed: at least 0")
@@ -148,13 +148,13 @@ def rubs_at_all(law: FrictionLaw) -> None:
 
 
 def same_bound_twice(law: FrictionLaw) -> None:
-    """The bound depends on the law's fields, needs and memory alone: not on what was asked before."""
+    """The bound depends on the law's fields, needs and memory alone: not on earlier calls."""
     first = _answers(law)
     others, memory = inputs_of(law), start_of(law)
     others = {name: 0.5 * value for name, value in others.items()}
     for _ in range(3):
         bound_of(law, others, evolved(law, others, memory))
-    again = "two calls give different answers: memory in other places survives steps that are rejected"
+    again = "two calls give different answers: state outside of `memory` survives rejected steps"
     require(not _differ(_answers(law), first), again if law.varies else "two calls give different bounds")
     copy = dataclasses.replace(law)  # type: ignore[type-var]
     require(not _differ(_answers(copy), first), "an equal law gives another bound")
@@ -163,7 +163,7 @@ def same_bound_twice(law: FrictionLaw) -> None:
 def numbers_count(law: FrictionLaw) -> None:
     """A number that a scene gives changes the bound, one with a default as well."""
     for name in without_effect(law, _answers):
-        raise AssertionError(f"the field {name} changes nothing: {law} whatever it is")
+        raise AssertionError(f"the field {name} changes no result of {law}")
 
 
 def _varying(law: FrictionLaw) -> None:
@@ -172,23 +172,23 @@ def _varying(law: FrictionLaw) -> None:
 
 
 def needs_count(law: FrictionLaw) -> None:
-    """What a law declares in needs and memory changes its answers."""
+    """Everything that a law declares in needs and memory changes its answers."""
     _varying(law)
     inputs, memory = _usual(law)
     before = _now_and_later(law, inputs, memory)
     for name in (*law.needs, *law.memory):
         given, known = ({**one, name: 1.3 * one[name] + 0.1} if name in one else one for one in (inputs, memory))
         after = _now_and_later(law, given, known)
-        require(_differ(after, before), f"it declares {name}, and no bound follows it, now or after a step")
+        require(_differ(after, before), f"it declares {name}, but no bound depends on it, now or after a step")
 
 
 def _now_and_later(law: FrictionLaw, inputs: Mapping[str, Any], memory: Mapping[str, Floats]) -> list[Floats]:
-    """The bound, and that after a step."""
+    """Bounds now and after a step."""
     return [bound_of(law, inputs, memory), bound_of(law, inputs, evolved(law, inputs, memory))]
 
 
 def inputs_are_only_read(law: FrictionLaw) -> None:
-    """What a law is given, memory included, stays as it is: new memory is what `evolve` returns."""
+    """Arguments of a law, memory included, stay as they are: new memory is what `evolve` returns."""
     _varying(law)
     inputs, memory = _usual(law)
     with untouched(**inputs, **memory):
@@ -205,7 +205,7 @@ def multipliers_do_not_know_each_other(law: FrictionLaw) -> None:
     for one in (0, COUNT // 2, COUNT - 1):
         own, known = _part(inputs, one), _part(memory, one)
         later = evolved(law, own, known)
-        # functions of NumPy may round otherwise for other lengths
+        # functions of NumPy may round differently for other lengths
         for found, wanted in zip([bound_of(law, own, later), *later.values()], among, strict=True):
             expected = wanted[..., one : one + 1] if wanted.shape[-1] > 1 else wanted
             finite = np.isfinite(expected)
@@ -235,7 +235,7 @@ def memory_follows_time(law: FrictionLaw) -> None:
     for name in memory:
         require(name in worst, f"evolve never changes {name}")
         least = min(worst[name])
-        why = f"two halves of a step change {name} by {least:.0%} more or less than the step, however short"
+        why = f"two half steps change {name} by {least:.0%} more or less than a whole step, however short"
         require(least < LINEAR, f"{why}: its change should be a rate times dt")
 
 
@@ -244,7 +244,7 @@ def _of_length(inputs: Mapping[str, Any], dt: float) -> dict[str, Any]:
 
 
 def slip_both_ways(law: FrictionLaw) -> None:
-    """Slip forwards and backwards at one rate have the same bound; a law that knows a direction is told of."""
+    """Slip forwards and backwards at one rate have the same bound; a dependence on direction is reported."""
     if "slip_rate" not in law.needs:
         raise NotApplicable("the law does not need slip_rate")
     inputs, memory = _usual(law)
@@ -254,7 +254,7 @@ def slip_both_ways(law: FrictionLaw) -> None:
 
 
 def units_do_not_matter_to_the_law(law: FrictionLaw) -> None:
-    """In m, ms and kPa in place of mm, s and MPa a law has the same coefficient and cap, and its adhesion in kPa."""
+    """In m, ms and kPa instead of mm, s and MPa a law has the same coefficient and cap, and its adhesion in kPa."""
     for one in (law, *(changed for _, changed in varied(law))):
         _fits_together(one)
 
@@ -274,7 +274,7 @@ def _fits_together(law: FrictionLaw) -> None:
             after = f" after {step} steps" if step else ""
             require(
                 same.all(),
-                f"{name}{after}: units of its fields and of needs do not fit together, or the law has a "
+                f"{name}{after}: units of its fields and needs are inconsistent, or the law has a "
                 f"number with a unit of its own ({a[~same][:1]} in m, ms and kPa, {b[~same][:1]} in mm, s and MPa)",
             )
         memory, known = evolved(law, inputs, memory), evolved(other, scaled, known)

@@ -1,4 +1,4 @@
-"""Checks of functions: a finite factor at every place, and the same one whatever else is asked."""
+"""Checks of functions: a finite factor at every place, independent of other calls."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from contactlab.testing.other_values import varied, without_effect
 from contactlab.testing.units import LONG, in_other_units
 
 PLACES = np.concatenate([np.linspace(-3.0, 3.0, 61), [-360.0, -180.0, -90.0, 1e-12, 90.0, 180.0, 360.0]])
-"""Some mm or seconds around 0, all angles, and the rims."""
+"""Some mm or seconds around 0, all angles, and the ends."""
 RANGE, CELLS, CLOSE = (-5.0, 5.0), 500, 1e-6
-"""Where jumps are searched, intervals in which the search begins, and the share of the range at which it ends."""
+"""Range of the search for jumps, its intervals at the start, and the share of the range at which it ends."""
 
 
 def gives_numbers(function: Function) -> None:
-    """One finite number for each place, as an array of the same length: for many places, for one and for none."""
+    """A function gives a finite number for each place, as an array of the same length: many places, one or none."""
     for places in (PLACES, PLACES[:1], PLACES[:0]):
         found = np.asarray(function.values(places.copy()))
         require(found.shape == places.shape, f"{len(places)} places give an array of shape {found.shape}")
-        require(found.dtype == np.float64, f"it gives {found.dtype}, float64 is needed")
+        require(found.dtype == np.float64, f"it gives {found.dtype}, needed: float64")
         bad = places[~np.isfinite(found)]
         require(not len(bad), f"it is not finite at {bad[:3].tolist()}: a mesh may have nodes there")
 
@@ -52,7 +52,7 @@ def remembers_nothing(function: Function) -> None:
     first = function.values(PLACES.copy())
     identical(function.values(PLACES.copy()), first, "a second call")
     copy = pickle.loads(pickle.dumps(function))
-    require(copy == function, "it is not equal to what its pickle brings back")
+    require(copy == function, "it differs from its copy after pickling")
     identical(copy.values(PLACES.copy()), first, "its pickle")
 
 
@@ -62,7 +62,7 @@ def leaves_its_places_alone(function: Function) -> None:
         places = PLACES.copy()
         with untouched(places=places):
             found = one.values(places)
-        require(not np.may_share_memory(found, places), "it gives back the array that it was given, or a view of it")
+        require(not np.may_share_memory(found, places), "it returns its argument, or a view of it")
 
 
 def numbers_count(function: Function) -> None:
@@ -82,7 +82,7 @@ def stays_after_its_end(function: Function) -> None:
 
 
 def breaks_are_declared(function: Function) -> None:
-    """Where the value or its slope jumps is one of `breaks()`: integrals are split and load increments end there."""
+    """Jumps of the value or its slope are at `breaks()`: integrals are split and load increments end there."""
     for one in _family(function):
         breaks = np.array(one.breaks(), np.float64)
         require(bool(np.isfinite(breaks).all()), "an entry of breaks() is not finite")
@@ -91,17 +91,17 @@ def breaks_are_declared(function: Function) -> None:
         beyond = max(1.0, 0.5 * float(np.ptp(marks))) if len(marks) else 0.0
         for low, high in (RANGE, (marks.min() - beyond, marks.max() + beyond) if len(marks) else RANGE):
             place, jump = _jump(one, low, high, breaks)
-            require(jump <= 0.0, f"{one}: its slope jumps by {jump:.3g} at {place:.6g}, which is none of its breaks()")
+            require(jump <= 0.0, f"{one}: its slope jumps by {jump:.3g} at {place:.6g}, which is not in breaks()")
 
 
 def units_do_not_matter(function: Function) -> None:
-    """With places, and fields that are places by their docstring, in m in place of mm it gives the same factors."""
+    """With places, and fields that are places by their docstring, in m instead of mm it gives the same factors."""
     if any(unit.startswith("degree") for unit in units_of(type(function)).values()):
         raise NotApplicable("its places are angles, which have one unit")
     other = in_other_units(function, time=LONG)  # s as mm: whether places are lengths or times is the scene's affair
     found, wanted = other.values(LONG * PLACES), function.values(PLACES.copy())
     same = np.allclose(found, wanted, rtol=1e-6, atol=1e-6 * float(np.abs(wanted).max()))
-    require(same, "in m in place of mm it gives other factors: units of its fields do not fit together")
+    require(same, "in m instead of mm it gives other factors: units of its fields are inconsistent")
 
 
 def _family(function: Function) -> list[Function]:
@@ -110,10 +110,10 @@ def _family(function: Function) -> list[Function]:
 
 
 def _jump(function: Function, low: float, high: float, breaks: Floats) -> tuple[float, float]:
-    """Where the slope jumps most beside the breaks, and by how much; 0 where it is smooth.
+    """Place of the largest jump of the slope except at breaks, and its size; 0 for a smooth function.
 
-    Of three places a kink leaves a difference of slopes whatever their distance is, a smooth function one that falls
-    with it: places are refined to `CLOSE` of the range, and those that bend as much at a 64th of that have a kink.
+    At a kink the difference of slopes over three places does not fall with their distance, elsewhere it does:
+    places are refined to `CLOSE` of the range; if the difference stays as large at a 64th of that, there is a kink.
     """
     width = (high - low) / CELLS
     centre = low + (np.arange(CELLS, dtype=np.float64) + 0.5) * width

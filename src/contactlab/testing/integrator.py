@@ -63,7 +63,7 @@ def converges_at_its_order(integrator: AnyIntegrator) -> None:
         # the next term of the error is some w dt = 4 * 0.01 of the first
         require(
             abs(rate - integrator.order) < 0.1,
-            f"order {integrator.order} is promised, {rate:.2f} is seen with damping {damping}",
+            f"order of convergence {rate:.2f} with damping {damping}, promised: {integrator.order}",
         )
 
 
@@ -90,7 +90,7 @@ def constant_force_gives_the_parabola(integrator: AnyIntegrator) -> None:
 
 
 def energy_is_bounded(integrator: AnyIntegrator) -> None:
-    """An oscillator's amplitude does not grow over 2500 steps, and only falls where the scheme dissipates."""
+    """An oscillator's amplitude does not grow over 2500 steps, and only falls if the scheme dissipates."""
     _moving(integrator)
     model = Oscillator(integrator, MASS[2:], STIFFNESS[2:], velocity=START[2:])
     dt = 0.2 * model.stable_step()
@@ -101,7 +101,7 @@ def energy_is_bounded(integrator: AnyIntegrator) -> None:
     require(change < 5e-4, f"the amplitude grows: {amplitude[0]:.6f} {text.format(amplitude[1])}")
     require(
         integrator.dissipates or change > -5e-4,
-        f"the amplitude falls: {amplitude[0]:.6f} {text.format(amplitude[1])}; dissipates = True says that it may",
+        f"the amplitude falls: {amplitude[0]:.6f} {text.format(amplitude[1])}; declare dissipates = True if it may",
     )
 
 
@@ -116,7 +116,7 @@ def ledger_closes(integrator: AnyIntegrator) -> None:
 
 
 def velocities_are_where_declared(integrator: AnyIntegrator) -> None:
-    """Velocities are those of `time` less the fraction `velocity_lag` of a step; 0 for implicit integrators."""
+    """Velocities belong to `time` less the fraction `velocity_lag` of a step; 0 for implicit integrators."""
     _moving(integrator)
     lag = integrator.velocity_lag if isinstance(integrator, ExplicitIntegrator) else 0.0
     frequency, errors = np.sqrt(STIFFNESS / MASS)[:, None], []
@@ -132,18 +132,18 @@ def velocities_are_where_declared(integrator: AnyIntegrator) -> None:
     rate = np.log2(errors[0] / errors[1])
     require(
         rate > min(integrator.order, 2) - 0.2,
-        f"velocities with a lag of {lag:g} steps converge with rate {rate:.2f}, promised is order {integrator.order}",
+        f"velocities with a lag of {lag:g} steps converge at order {rate:.2f}, promised: {integrator.order}",
     )
 
 
 def forces_belong_to_the_end_of_the_step(integrator: AnyIntegrator) -> None:
-    """After a step, positions and internal forces are those of its displacement."""
+    """After a step, positions and internal forces belong to its displacement."""
     model = Oscillator(integrator, MASS, STIFFNESS, velocity=START, force=START)
     for _ in range(3):
         model.advance(0.1)
         u = model.state["displacement"].copy()
         identical(model.position, model.reference + u, "positions and reference + displacement")
-        identical(model.state["internal_force"], STIFFNESS[:, None] * u, "internal forces and those of the springs")
+        identical(model.state["internal_force"], STIFFNESS[:, None] * u, "internal forces and spring forces")
 
 
 def loads_act_at_their_time(integrator: AnyIntegrator) -> None:
@@ -160,9 +160,7 @@ def loads_act_at_their_time(integrator: AnyIntegrator) -> None:
         errors.append(float(np.abs(path[-1] - force * END**3 / 6.0 / MASS[:, None]).max()))
     # errors at round-off have no rate
     rate = np.log2(errors[0] / errors[1]) if errors[1] > 1e-12 else np.inf
-    require(
-        rate > integrator.order - 0.2, f"rate {rate:.2f} under a load that grows, order {integrator.order} promised"
-    )
+    require(rate > integrator.order - 0.2, f"order {rate:.2f} under a growing load, promised: {integrator.order}")
 
 
 def prescribed_motion_is_exact(integrator: AnyIntegrator) -> None:
@@ -234,7 +232,7 @@ def refused_steps_leave_the_state(integrator: AnyIntegrator) -> None:
 
 
 def steps_are_begun_and_accepted(integrator: AnyIntegrator) -> None:
-    """Every step is begun with its length and accepted once, where it is accepted: laws keep their history by that."""
+    """Every step is begun with its length and, if accepted, accepted once: laws keep their history by that."""
     if isinstance(integrator, ExplicitIntegrator):
         raise NotApplicable("explicit steps have no trial")
     model = Oscillator(integrator, MASS, STIFFNESS, velocity=START, force=lambda time: time * START, clearance=MASS)
@@ -247,11 +245,11 @@ def steps_are_begun_and_accepted(integrator: AnyIntegrator) -> None:
     model.calls_left = 0
     with np.errstate(invalid="ignore"):
         model.advance(0.1)
-    require(model.accepted == 5, "accept was called in a step that was not accepted")
+    require(model.accepted == 5, "accept was called in a rejected step")
 
 
 def _interrupted(integrator: AnyIntegrator, calls: int, whole: Oscillator) -> bool:
-    """Whether a step is accepted that finds finite forces in so many calls alone; what follows must be as the whole."""
+    """Return whether a step with finite forces in only so many calls is accepted; later steps must match `whole`."""
     model = Oscillator(integrator, MASS, STIFFNESS, velocity=START, force=lambda time: time * START)
     model.run(3, 0.1)
     before, model.calls_left = model.state.snapshot(), calls
@@ -259,9 +257,9 @@ def _interrupted(integrator: AnyIntegrator, calls: int, whole: Oscillator) -> bo
         done = model.advance(0.1)
     if not done.status.value:
         return True
-    require(done.reason, "a step was not accepted and gives no reason")
+    require(done.reason, "a rejected step gives no reason")
     model.calls_left = np.inf
-    # forces are the model's own: it was asked for them while it had none
+    # forces are the model's own: they were requested while it had none
     model.internal_force(0.0)
     when = f"a step that found no forces after {calls} calls"
     identical(model.state.buffer, before, f"state after {when}")
@@ -291,7 +289,7 @@ def changing_steps_keep_the_order(integrator: AnyIntegrator) -> None:
             model.advance(float(dt))
         errors.append(float(np.abs(model.state["displacement"] - _exact(END, 0.0)).max()))
     rate = np.log2(errors[0] / errors[1])
-    require(rate > integrator.order - 0.2, f"rate {rate:.2f} with steps of slowly changing length")
+    require(rate > integrator.order - 0.2, f"order of convergence {rate:.2f} with steps of slowly changing length")
 
 
 DUTIES: dict[int, tuple[Check, ...]] = {

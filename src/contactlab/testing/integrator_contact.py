@@ -29,7 +29,8 @@ def pressed_masses_rest(integrator: AnyIntegrator) -> None:
     a_step = dt * LOAD / MASS
     lowest = -path[:, :, 1].min(axis=0)
     require(
-        (lowest <= dt * a_step).all(), f"pressed masses sink by {lowest.max():.3e}, allowed {dt * a_step.max():.1e}"
+        (lowest <= dt * a_step).all(),
+        f"pressed masses penetrate by {lowest.max():.3e} mm, allowed {dt * a_step.max():.1e} mm",
     )
     if integrator.inertia:
         speed = np.abs(model.state["velocity"]).max(axis=1)
@@ -110,7 +111,7 @@ def statics_are_in_equilibrium(integrator: AnyIntegrator) -> None:
     left = state["internal_force"] - load - state["contact_force"] - state["reaction"]
     agree(left, 0.0 * left, 1e-6 * LOAD.max(), "internal forces less loads, contact forces and reactions")
     borne = state["contact_force"][:, 0]
-    require(float(np.abs(borne).max()) > 0.01, "friction bears nothing of a load along the floor")
+    require(float(np.abs(borne).max()) > 0.01, "friction carries no part of a load along the floor")
 
 
 def _moving(integrator: AnyIntegrator) -> None:

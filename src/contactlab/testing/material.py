@@ -128,8 +128,8 @@ def _tangent_of_a_step(law: Material, gradient: Floats, history: Floats, dt: flo
     tangent, expected = np.empty((4, 4, POINTS)), np.empty((4, 4, POINTS))
     law.tangent(gradient, history, dt, tangent)
     tangent_by_differences(law, gradient, history, dt, expected)
-    # differences with a step of 6e-6 are good to some 1e-9 of the moduli; only where a plastic law starts
-    # to yield within the step do they see a kink, and 40 random points meet few of those
+    # differences with a step of 6e-6 are good to some 1e-9 of the moduli; they see a kink
+    # only where a plastic law starts to yield within the step, which few of 40 random points do
     error = np.abs(tangent - expected).max(axis=(0, 1)) / modulus(law)
     allowed = 1e-6
     bad = np.count_nonzero(~(error < allowed))
@@ -164,8 +164,8 @@ def rate_is_declared(law: Material) -> None:
     gradient, history = gradients(law, POINTS, STRAIN), some_history(law, POINTS)
     if law.rate_dependent:
         _feels_the_rate(law, gradient, history)
-        raise NotApplicable("the law says that it depends on rate")
-    require(not law.time_scale, "time_scale is given and rate_dependent is not: what would it be the time of?")
+        raise NotApplicable("rate_dependent is True")
+    require(not law.time_scale, "time_scale is declared, but rate_dependent is False")
     expected, _ = respond(law, gradient, history)
     for dt in (0.0, 1e3 * DT, 1.0, 1e6):
         stress, new = np.full_like(expected, np.nan), np.full_like(history, np.nan)
@@ -182,7 +182,7 @@ def _feels_the_rate(law: Material, gradient: Floats, history: Floats) -> None:
         change = float(np.abs(other - middle).max())
         require(
             change > 1e-4 * float(np.abs(middle).max()),
-            f"steps of its own time ({law.time_scale}) and of {text} of it give the same stress: rate_dependent",
+            f"steps of its own time ({law.time_scale}) and of {text} of it give the same stress: rate_dependent is set",
         )
 
 
@@ -218,7 +218,7 @@ def _require_energy(law: Material) -> None:
     if not law.has_energy:
         raise NotApplicable("the law declares no stored energy")
     if law.kinematics == "rate":
-        raise NotApplicable("the energy of a rate law is no function of the gradient")
+        raise NotApplicable("the energy of a rate law is not a function of the gradient")
 
 
 def _energy(law: Material, gradient: Floats) -> Floats:
@@ -311,7 +311,7 @@ def numbers_count(law: Material) -> None:
     told = _all_told(law)
     for name, other in any_others(law):
         same = all(np.array_equal(a, b, equal_nan=True) for a, b in zip(_all_told(other), told, strict=True))
-        require(not same, f"the field {name} changes nothing that the law says, under strains up to {STRAIN:.0%}")
+        require(not same, f"the field {name} changes no result of the law, under strains up to {STRAIN:.0%}")
 
 
 def needs_count(law: Material) -> None:
@@ -326,7 +326,7 @@ def needs_count(law: Material) -> None:
         other = history.copy()
         other[[row, row + 1] if name == "x" else row] *= 1.3
         same = all(np.array_equal(a, b) for a, b in zip(respond(law, gradient, other)[:1], before, strict=False))
-        require(not same, f"it declares {'position' if name == 'x' else name} in needs, and no stress follows it")
+        require(not same, f"it declares {'position' if name == 'x' else name} in needs, but no stress depends on it")
 
 
 def young_and_poisson_are_meant(law: Material) -> None:

@@ -47,7 +47,7 @@ def plane_strain(law: Material) -> None:
     dilatational, shear = (law.density * c * c for c in law.wave_speeds())
     lame, size, strain = dilatational - 2.0 * shear, 1e-7, np.zeros((4, 2))
     strain[[0, 3], [0, 1]] = size
-    sign = -1.0 if law.kinematics == "finite" else 1.0  # those are given F^-1
+    sign = -1.0 if law.kinematics == "finite" else 1.0  # finite laws are given F^-1
     none, dt = points.no_history(law, 2), points.elastic_step(law)
     stress, _ = points.respond(law, points.at_rest(law, 2) + sign * strain, none, dt)
     if not law.stress_free:
@@ -77,7 +77,7 @@ def work_is_stored_or_dissipated(law: Material) -> None:
     if not law.has_energy:
         raise NotApplicable("the law declares no stored energy")
     if law.kinematics == "rate":
-        raise NotApplicable("the energy of a rate law is no function of the gradient")
+        raise NotApplicable("the energy of a rate law is not a function of the gradient")
     if not law.stress_free:
         raise NotApplicable("assumes that nothing is stored at rest: stress_free is False")
     # of laws with a time of their own: quicker than it, about as long, and longer
@@ -103,7 +103,7 @@ def _work_along_a_path(law: Material, time: float) -> None:
             if law.kinematics == "finite":
                 volume = np.linalg.det(points.deformation(law, gradient))
             back = float((least - lost * volume).max())
-            text = f"dissipation falls by {back:.3e} mJ/mm3 along a path: it never gives anything back"
+            text = f"dissipation falls by {back:.3e} mJ/mm3 along a path, allowed: no decrease"
             require(back <= 1e-9 * float(np.abs(least).max()) or back <= 0.0, text)
             least = lost * volume
     stored = np.full(count, np.nan)
@@ -113,7 +113,7 @@ def _work_along_a_path(law: Material, time: float) -> None:
 
 
 def arrays_change_in_place(law: Material) -> None:
-    """Runs change gradients in place: the stress is that of their present values."""
+    """Runs change gradients in place: the stress follows their present values."""
     gradient, history = points.gradients(law, POINTS, STRAIN), points.some_history(law, POINTS)
     expected = points.respond(law, gradient, history)
     moving, stress, new = points.at_rest(law, POINTS) + 0.0, np.empty((4, POINTS)), history.copy()
@@ -134,8 +134,8 @@ def threads_do_not_disturb_each_other(law: Material) -> None:
 
     with ThreadPoolExecutor(4) as pool:
         for number, (stress, history) in enumerate(pool.map(beside, range(16))):
-            identical(stress, alone[number % 4][0], "stress of a block beside others")
-            identical(history, alone[number % 4][1], "history of a block beside others")
+            identical(stress, alone[number % 4][0], "stress of a block in parallel with others")
+            identical(history, alone[number % 4][1], "history of a block in parallel with others")
 
 
 CHECKS: tuple[Check, ...] = (

@@ -36,7 +36,7 @@ def stiffening_bounds_the_waves(law: Material) -> None:
 def _waves(law: Material) -> tuple[Floats, Floats, Floats, float]:
     """Gradients (4, P), stresses (4, P), the modulus (P,) of the fastest wave found there, and its error."""
     if law.kinematics == "small":
-        raise NotApplicable("waves of a small strain are those at rest")
+        raise NotApplicable("waves of small strains do not differ from waves at rest")
     if law.kinematics == "finite" and law.own_history():
         return *_loaded(law), ONE_SIDED
     gradient, stress, moduli = _strained(law) if law.kinematics == "finite" else _stressed(law)
@@ -118,7 +118,7 @@ ORDER = 1.6  # at least; first order gives 1
 def flow_is_of_second_order(law: Material) -> None:
     """A law that declares `implicit_euler` follows a path that turns with an error of second order in its steps.
 
-    It is asked as load steps ask it, at points between start and end of each, from extrapolated histories.
+    It is called as in load steps, at points between start and end of each, from extrapolated histories.
     """
     if not law.implicit_euler:
         raise NotApplicable("the law does not say that its history advances by implicit Euler steps")

@@ -29,7 +29,7 @@ POWERS = {
 
 
 def record() -> Record:
-    """What a comparison keeps of a static run of disc-on-block: summary, history and the last curve; a fresh copy."""
+    """Return a fresh record of a static run of disc-on-block: summary, history and the last curve."""
     return copy.deepcopy(_record())
 
 
@@ -44,7 +44,7 @@ def _record() -> Record:
 
 
 def solution() -> Solution:
-    """A made-up reference: an arc of pressure somewhat wider and higher than that of the run."""
+    """Return a made-up reference: an arc of pressure somewhat wider and higher than the run's."""
     x = np.linspace(-0.12, 0.12, 121)
     pressure = 400.0 * np.sqrt(np.maximum(0.0, 1.0 - (x / 0.11) ** 2))
     return Solution(x, pressure, 0.01, "made up", scalars={"reaction": Scalar(60.0, 0.1)})
@@ -53,28 +53,28 @@ def solution() -> Solution:
 def says_what_it_is(measure: RunMeasure) -> None:
     """Title and meaning are given, tables know its unit; it can be pickled and is equal to its copy."""
     require(bool(measure.title) and bool(measure.meaning), "its title or its meaning is empty")
-    require(measure.meaning.endswith("."), f"its meaning is no sentence: {measure.meaning!r}")
+    require(measure.meaning.endswith("."), f"its meaning does not end with a full stop: {measure.meaning!r}")
     known = {column.unit for column in BY_NAME.values()} | {"force", "energy", "time", "line_energy"}
-    require(measure.unit in known, f"its unit is {measure.unit!r}, known are {', '.join(sorted(known - {''}))}")
-    require(pickle.loads(pickle.dumps(measure)) == measure, "it is not equal to what its pickle brings back")
+    require(measure.unit in known, f"its unit is {measure.unit!r}, allowed: {', '.join(sorted(known - {''}))}")
+    require(pickle.loads(pickle.dumps(measure)) == measure, "it differs from its copy after pickling")
 
 
 def finds_a_number(measure: RunMeasure) -> None:
     """With a reference and without: one number, NaN without one that it needs; finite in one of both."""
     with_one, without = (measure.evaluate(record(), CONTACT, reference) for reference in (solution(), None))
     for value in (with_one, without):
-        require(np.ndim(value) == 0 and isinstance(float(value), float), f"it gives {value!r}, which is no number")
-    require(math.isfinite(with_one) or math.isfinite(without), "it finds nothing in a run that finished well")
+        require(np.ndim(value) == 0 and isinstance(float(value), float), f"it gives {value!r}, needed: a number")
+    require(math.isfinite(with_one) or math.isfinite(without), "it finds no number in a finished run")
     if math.isfinite(without):
         other = measure.evaluate(spoilt(record()), CONTACT, None)
-        require(_other(other, without), f"without a reference it finds {without:g} whatever is in the record: say NaN")
+        require(_other(other, without), f"without a reference it finds {without:g} in every record; return NaN instead")
     else:
         against = replace(
             solution(), pressure=1.7 * solution().pressure, x=1.3 * solution().x, error=0.02,
             scalars={"reaction": Scalar(77.0, 0.2)},
         )  # fmt: skip
         other = measure.evaluate(record(), CONTACT, against)
-        require(_other(other, with_one), f"it needs a reference, and finds {with_one:g} whatever is in that")
+        require(_other(other, with_one), f"it needs a reference, but finds {with_one:g} with every reference")
 
 
 def _other(one: float, two: float) -> bool:
@@ -82,20 +82,18 @@ def _other(one: float, two: float) -> bool:
 
 
 def looks_at_its_contact(measure: RunMeasure) -> None:
-    """In a run with two contacts it finds the number of the one that it is asked for."""
+    """In a run with two contacts it finds the number of the requested contact."""
     alone = measure.evaluate(record(), CONTACT, solution())
     both = replace(record(), curves={CONTACT: spoilt(record()).curves[CONTACT], "contacts.1": record().curves[CONTACT]})
     second = measure.evaluate(both, "contacts.1", solution())
     if _other(measure.evaluate(both, CONTACT, solution()), alone):
-        require(
-            not _other(second, alone), f"of the second contact it finds {second:g}; the same curve alone: {alone:g}"
-        )
+        require(not _other(second, alone), f"it finds {second:g} for the second contact, {alone:g} for its curve alone")
 
 
 def has_its_unit(measure: RunMeasure) -> None:
     """A run that is twice as large, or with pressures three times as high, gives the number that its unit says."""
     if measure.unit not in POWERS:
-        raise NotApplicable(f"how a number of the unit {measure.unit!r} follows lengths and pressures is not known")
+        raise NotApplicable(f"no rule is known for scaling the unit {measure.unit!r} with lengths and pressures")
     plain = measure.evaluate(record(), CONTACT, solution())
     scalars = measure.evaluate(replace(record(), curves=spoilt(record()).curves), CONTACT, solution())
     others = replace(spoilt(record()), curves=record().curves)
@@ -104,13 +102,13 @@ def has_its_unit(measure: RunMeasure) -> None:
         or not _other(scalars, plain)
         or _other(measure.evaluate(others, CONTACT, solution()), plain)
     ):
-        raise NotApplicable("it follows from more than curves, whose units alone are known")
+        raise NotApplicable("it depends on more than curves, and only their units are known")
     for length, pressure in ((2.0, 1.0), (1.0, 3.0)):
         found = measure.evaluate(*_scaled(length, pressure))
         by = length ** POWERS[measure.unit][0] * pressure ** POWERS[measure.unit][1]
         what = "lengths are doubled" if length > 1.0 else "pressures are tripled"
-        text = f"its unit is {measure.unit}; where {what} it is {found:g} in place of {by * plain:g}"
-        # a number that is zero by symmetry is round-off of one that other curves have
+        text = f"its unit is {measure.unit}, but if {what} it is {found:g}, expected {by * plain:g}"
+        # a number that is zero by symmetry is round-off of its size for other curves
         require(abs(found - by * plain) <= by * max(1e-9 * abs(plain), 1e-12 * abs(scalars)), text)
 
 
@@ -154,13 +152,13 @@ def _mirrored() -> Record:
 
 
 def outlives_empty_contacts(measure: RunMeasure) -> None:
-    """Where nothing is pressed it gives a number or nan, and raises nothing."""
+    """It gives a number or NaN, and raises nothing, if nothing is pressed."""
     curve = record().curve()
     empty = {name: np.zeros_like(getattr(curve, name)) for name in ("pressure", "shear", "nodal_pressure", "state")}
     nothing = replace(record(), curves={CONTACT: [replace(curve, **empty)]})
     for reference in (solution(), None):
         value = measure.evaluate(nothing, CONTACT, reference)
-        require(not math.isinf(value), f"it gives {value} where nothing is pressed")
+        require(not math.isinf(value), f"it gives {value} if nothing is pressed")
 
 
 def follows_from_the_run(measure: RunMeasure) -> None:
@@ -169,11 +167,11 @@ def follows_from_the_run(measure: RunMeasure) -> None:
     other = measure.evaluate(spoilt(record()), CONTACT, solution())
     against = replace(solution(), pressure=1.7 * solution().pressure, scalars={"reaction": Scalar(77.0, 0.1)})
     moved = [repr(float(v)) != repr(float(plain)) for v in (other, measure.evaluate(record(), CONTACT, against))]
-    require(any(moved), f"it finds {plain:g} whatever is in the record and in the reference")
+    require(any(moved), f"it finds {plain:g} in every record and with every reference")
     curves_alone = replace(record(), curves=spoilt(record()).curves)
     if repr(float(measure.evaluate(curves_alone, CONTACT, solution()))) != repr(float(plain)):
         blind = measure.evaluate(unknown(record()), CONTACT, solution())
-        require(not math.isfinite(blind), f"it finds {blind:g} in a curve of NaN; NaN says that nothing is known")
+        require(not math.isfinite(blind), f"it finds {blind:g} in a curve of NaN, needed: NaN")
 
 
 CHECKS: tuple[Check, ...] = (

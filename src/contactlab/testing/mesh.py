@@ -66,11 +66,11 @@ def cells_are_sound(source: MeshSource) -> None:
 def edges_are_the_boundary(source: MeshSource) -> None:
     """Edges of the sets are sides of cells with the body on the left, and no cell is beyond them."""
     mesh = source.mesh(FourNodes(), 2)
-    require(len(mesh.edges) > 0, "the mesh names no edge set, so nothing can be supported or touched")
+    require(len(mesh.edges) > 0, "the mesh has no edge set, so that supports and contact are impossible")
     sides = _sides_of(mesh)
     for name, edges in mesh.edges.items():
         for start, end in edges[:, :2].tolist():
-            require((start, end) in sides, f"edge set {name}: {start} to {end} is no side with its cell on the left")
+            require((start, end) in sides, f"edge set {name}: {start} to {end} is not a side with its cell on the left")
             require((end, start) not in sides, f"edge set {name}: {start} to {end} lies between two cells")
         surface_from_edges(edges)
 
@@ -100,13 +100,11 @@ def the_boundary_is_named(source: MeshSource) -> None:
     named = {(int(a), int(b)) for edges in mesh.edges.values() for a, b in edges[:, :2]}
     left = boundary - named
     where = mesh.nodes[min(left)[0]].round(4).tolist() if left else ""
-    require(
-        not left, f"{len(left)} of {len(boundary)} sides at the boundary belong to no edge set, one of them at {where}"
-    )
+    require(not left, f"{len(left)} of {len(boundary)} boundary sides belong to no edge set, for example at {where}")
 
 
 def points_move_as_a_whole(source: MeshSource) -> None:
-    """Of a field with an x and a y, both entries count if one does: a point of which one entry is left out."""
+    """A field with x and y, as a point, has an effect by both entries or by neither: none is forgotten."""
     for field in fields(source):  # type: ignore[arg-type]
         value = getattr(source, field.name)
         if not (isinstance(value, tuple) and len(value) == 2 and all(isinstance(one, float) for one in value)):
@@ -120,17 +118,17 @@ def points_move_as_a_whole(source: MeshSource) -> None:
             except ValueError:
                 break  # out of the bounds that the part sets itself
             counts.append(not np.array_equal(nodes, plain))
-        require(len(counts) < 2 or counts[0] == counts[1], f"one entry of {field.name} moves no node, the other does")
+        require(len(counts) < 2 or counts[0] == counts[1], f"only one of the two entries of {field.name} moves nodes")
 
 
 def units_do_not_matter(source: MeshSource) -> None:
-    """With its lengths in m in place of mm the nodes are at the same places."""
+    """With its lengths in m instead of mm the nodes are at the same places."""
     other = in_other_units(source)
     agree(
         other.mesh(FourNodes(), 1).nodes,
         LONG * source.mesh(FourNodes(), 1).nodes,
         1e-9 * LONG * float(np.abs(source.mesh(FourNodes(), 1).nodes).max()),
-        "nodes in m: units of its fields do not fit together, or it has a length of its own",
+        "nodes in m: units of its fields are inconsistent, or it has a length of its own",
     )
 
 

@@ -20,7 +20,7 @@ COUNT = 201
 DEPTHS = 3.0  # lengths of the law that are looked at on both sides of where it begins
 APART = 1e-5  # of that length: central differences err by its square, and by round-off over it
 FAR = 100.0  # times these gaps is as deep as a limit of the pressure may lie
-KINKS = 0.05  # share of gaps beside which a law may have a kink: differences across it are wrong
+KINKS = 0.05  # share of gaps near which a law may have a kink: differences across it are wrong
 OVERLAP = 0.01  # mm, of a law without a length of its own
 UNITS: Mapping[str, str] = {"slip_rate": "mm/s", "dt": "s", "time": "s", "position": "mm"}
 
@@ -51,7 +51,7 @@ def _pressed(law: Any, gap: Floats, stiffness: float, size: float, named: Mappin
 
 
 def named_of(law: NormalLaw, count: int) -> dict[str, Any]:
-    """What a law needs and remembers at the start of a run, for `count` conditions alike; none for a law of gaps."""
+    """Needs and memory of a law at the start of a run, for `count` equal conditions; empty for a law of gaps."""
     if "traction" in law.needs:
         return {}
     known: dict[str, Any] = {
@@ -60,12 +60,12 @@ def named_of(law: NormalLaw, count: int) -> dict[str, Any]:
     needed = {name: known.get(name, np.full(count, 1.2)) for name in law.needs}
     given = law.start()
     unknown = sorted(set(given) - {*law.memory})
-    require(not unknown, f"start gives {', '.join(unknown)}, which memory {law.memory} does not name")
+    require(not unknown, f"start returns {', '.join(unknown)}, not declared in memory {law.memory}")
     return needed | {name: np.full(count, float(given.get(name, 0.0))) for name in law.memory}
 
 
 def _later(law: Any, gap: Floats, stiffness: float, size: float, named: Mapping[str, Any]) -> dict[str, Any]:
-    """What it needs and remembers after a step that ends at these gaps."""
+    """Needs and memory after a step that ends at these gaps."""
     if not law.memory:
         return dict(named)
     gap = np.minimum(gap, law.begins())
@@ -73,7 +73,7 @@ def _later(law: Any, gap: Floats, stiffness: float, size: float, named: Mapping[
     beside = {"stiffness": np.full_like(gap, stiffness), "size": np.full_like(gap, size)}
     found = law.evolve(gap=gap, pressure=pressure, **beside, **named)
     unknown = sorted(set(found) - {*law.memory})
-    require(not unknown, f"evolve gives {', '.join(unknown)}, which memory {law.memory} does not name")
+    require(not unknown, f"evolve returns {', '.join(unknown)}, not declared in memory {law.memory}")
     after = {name: np.broadcast_to(np.asarray(value, np.float64), gap.shape).copy() for name, value in found.items()}
     for name, value in after.items():
         require(bool(np.isfinite(value).all()), f"evolve: {name} is not finite")
@@ -92,12 +92,12 @@ def _answers(law: Any, gap: Floats, stiffness: float = 1e4, size: float = 0.5) -
 def _remembers(enforcement: Enforcement) -> NormalLaw:
     law = _law(enforcement)
     if not law.named() or "traction" in law.needs:
-        raise NotApplicable("the law follows the gap alone, or a traction: it declares no memory and no other needs")
+        raise NotApplicable("the law depends on a gap or traction alone: it declares no memory and no other needs")
     return law
 
 
 def needs_and_memory_count(enforcement: Enforcement) -> None:
-    """What a law declares in needs and memory changes a pressure, now or after a step, and evolve changes memory."""
+    """Needs and memory of a law change a pressure, now or after a step, and evolve changes memory."""
     law = _remembers(enforcement)
     gap, start = _deep(law), named_of(law, COUNT)
     # as after a step to the gap in the middle: some gaps are deeper, others have come back
@@ -111,19 +111,19 @@ def needs_and_memory_count(enforcement: Enforcement) -> None:
     for name in law.named():
         changed = now_and_later({**named, name: 1.3 * named[name] + 0.1 * _length(law)})
         same = all(map(np.array_equal, changed, before))
-        require(not same, f"it declares {name}, and no pressure follows it, now or after a step")
+        require(not same, f"it declares {name}, but no pressure depends on it, now or after a step")
         still = name in law.memory and np.array_equal(named[name], start[name])
         require(not still, f"evolve never changes {name}, at a gap of {gap[COUNT // 2]:.3g} mm")
 
 
 def memory_is_only_in_the_state(enforcement: Enforcement) -> None:
-    """Answers follow what the law is given alone, whatever was asked before, and leave that as it is."""
+    """Answers depend on the arguments alone, not on earlier calls, and leave the arguments as they are."""
     law = _remembers(enforcement)
     gap, named = _deep(law), named_of(law, COUNT)
     first = _answers(law, gap)
     for share in (2.0, 0.3):
         _answers(law, share * gap)
-    again = "two calls give different answers: memory in other places survives steps that are rejected"
+    again = "two calls give different answers: state outside of `memory` survives rejected steps"
     require(all(map(np.array_equal, _answers(law, gap), first)), again)
     arrays = {name: value for name, value in named.items() if np.ndim(value)}
     with untouched(**arrays):
@@ -157,22 +157,22 @@ def pressure_begins_where_it_says(enforcement: Enforcement) -> None:
     pressure, slope = _pressures(law, gap)
     open_ = gap > begins + 1e-9 * _length(law)
     far = np.abs(pressure[open_]).max(), np.abs(slope[open_]).max()
-    require(max(far) == 0.0, f"beyond the gap where it begins, {begins:.4g} mm, pressure or slope is {max(far):.3g}")
-    require(pressure[0] > 0.0, f"no pressure at a gap of {gap[0]:.4g} mm, below {begins:.4g} mm where it begins")
+    require(max(far) == 0.0, f"pressure or slope is {max(far):.3g} at gaps beyond begins, {begins:.4g} mm")
+    require(pressure[0] > 0.0, f"no pressure at a gap of {gap[0]:.4g} mm, though it begins at {begins:.4g} mm")
 
 
 def pressure_never_pulls_nor_falls(enforcement: Enforcement) -> None:
-    """Pressures are at least 0, and a smaller gap has no smaller pressure: else gaps would not be decided."""
+    """Pressures are at least 0, and a smaller gap has no smaller pressure: else gaps would not be unique."""
     law = _law(enforcement)
     pressure, slope = _pressures(law, _gaps(law))
     require(np.all(np.isfinite(pressure)) and np.all(np.isfinite(slope)), "a pressure or a slope is not finite")
     require(pressure.min() >= 0.0, f"it pulls with {-pressure.min():.3g} MPa")
-    require(np.diff(pressure).max() <= 1e-12 * pressure.max(), "the pressure falls where the gap closes")
+    require(np.diff(pressure).max() <= 1e-12 * pressure.max(), "the pressure falls as the gap closes")
     require(slope.max() <= 0.0, f"a slope is {slope.max():.3g} MPa/mm, allowed: at most 0")
 
 
 def slope_is_the_derivative(enforcement: Enforcement) -> None:
-    """The slope is the central difference of the pressure, but for gaps beside a kink."""
+    """The slope is the central difference of the pressure, but for gaps near a kink."""
     law = _law(enforcement)
     gap, step = _gaps(law), APART * _length(law)
     _, slope = _pressures(law, gap)
@@ -195,14 +195,14 @@ def conditions_do_not_know_each_other(enforcement: Enforcement) -> None:
 def its_numbers_matter(enforcement: Enforcement) -> None:
     """Every number changes a pressure: one without a default near where it begins, any other as far as 100 times that.
 
-    Numbers with a default are looked at in the law as it is by default: one that is given may replace another.
+    Numbers with a default are checked in the default law, as a given number may replace another.
     """
     law = _law(enforcement)
     gap = _gaps(law)
     before = _pressures(law, gap)[0]
     if law.memory:
         for name in without_effect(law, lambda one: _answers(one, _deep(law))):
-            raise AssertionError(f"the field {name} changes no pressure and no memory, whatever it is")
+            raise AssertionError(f"the field {name} never changes a pressure or memory")
         return
     for name, other in others(law):
         require(np.any(_pressures(other, gap)[0] != before), f"the field {name} changes no pressure")
@@ -212,7 +212,7 @@ def its_numbers_matter(enforcement: Enforcement) -> None:
     far = np.concatenate([gap, begins + FAR * (gap - begins), np.zeros(COUNT)])
     before = _under_stress(law, far)
     for name, other in changed(law):
-        require(np.any(_under_stress(other, far) != before), f"the field {name} changes no pressure, whatever it is")
+        require(np.any(_under_stress(other, far) != before), f"the field {name} never changes a pressure")
 
 
 def _under_stress(law: Any, gap: Floats) -> Floats:
@@ -230,7 +230,7 @@ def energy_is_the_integral(enforcement: Enforcement) -> None:
     """Minus the derivative of the energy is the pressure."""
     law = _law(enforcement)
     if law.needs:
-        raise NotApplicable("the pressure follows more than the gap: energy is not its integral alone")
+        raise NotApplicable("the pressure depends on more than the gap: the energy is not its integral alone")
     length = _length(law)
     gap = law.begins() - length * np.linspace(0.1, DEPTHS, 20)
     stiffness, size = np.full_like(gap, 1e4), np.full_like(gap, 0.5)
@@ -258,10 +258,10 @@ def _tractions() -> Floats:
 
 
 def tractions_press_as_they_should(enforcement: Enforcement) -> None:
-    """Tension takes pressure away or does nothing, its derivative is that of the pressure, and gaps count beside it."""
+    """Tension reduces pressure or has no effect, `by_traction` is the derivative, and gaps count as well."""
     law: Any = _law(enforcement)
     if "traction" not in law.needs:
-        raise NotApplicable("the law follows no traction")
+        raise NotApplicable("the law does not depend on tractions")
     traction, step = _tractions(), 1e-6 * 1e4 * OVERLAP
     size, stiffness = np.full(COUNT, 0.5), np.full(COUNT, 1e4)
     for gap in (-OVERLAP, 0.0, OVERLAP):
@@ -272,7 +272,7 @@ def tractions_press_as_they_should(enforcement: Enforcement) -> None:
             found.append((pressure, slope, by_traction))
         (pressure, slope, by_traction), (more, *_), (less, *_) = found
         require(bool(np.isfinite(by_traction).all()), f"by_traction is not filled, or not finite, at a gap of {gap} mm")
-        require(pressure.min() >= 0.0, f"it pulls with {-pressure.min():.3g} MPa under tension")
+        require(pressure.min() >= 0.0, f"it pulls with {-pressure.min():.3g} MPa under tension, allowed: 0")
         least, most = by_traction.min(), by_traction.max()
         require(most <= 0.0, f"by_traction is {most:.3g}, allowed: at most 0")
         why = "in equilibrium (traction -p) a larger overlap would have less pressure"
@@ -281,11 +281,11 @@ def tractions_press_as_they_should(enforcement: Enforcement) -> None:
         wrong = int(np.count_nonzero(error > 1e-6 * max(1.0, float(np.abs(by_traction).max()))))
         require(wrong <= int(KINKS * COUNT), f"by_traction differs from differences at {wrong} of {COUNT} tractions")
         deaf = int(np.count_nonzero((by_traction < 0.0) & ~(slope < 0.0)))
-        require(not deaf, f"at {deaf} tractions the pressure follows the traction and not the gap")
+        require(not deaf, f"at {deaf} tractions the pressure depends on the traction but not on the gap")
 
 
 def adjoint_is_right_in_every_variant(enforcement: Enforcement) -> None:
-    """Where the pressure of a gap of 0 acts the adjoint is 0, and its derivatives are those of differences.
+    """The adjoint is 0 under the pressure of a gap of 0, and its derivatives match differences.
 
     Integers among the fields choose variants: each is checked with one more and one less as well.
     """
@@ -324,7 +324,7 @@ def adjoint_is_right_in_every_variant(enforcement: Enforcement) -> None:
 
 
 def _tuned(law: NormalLaw) -> bool:
-    """Whether a scene must give numbers of the law."""
+    """Return whether the law has numbers without a default."""
     return any(field.default is dataclasses.MISSING for field in dataclasses.fields(law))  # type: ignore[arg-type]
 
 
@@ -338,7 +338,7 @@ def _adjoint(law: Any, pressure: Floats, traction: Floats, stiffness: Floats, si
 
 
 def _variants(law: NormalLaw) -> Iterator[NormalLaw]:
-    """The law with each integer field one more and one less, where it accepts that."""
+    """Yield the law with each integer field one more and one less, if it accepts that."""
     for field in dataclasses.fields(law):  # type: ignore[arg-type]
         value = getattr(law, field.name)
         if type(value) is not int:
@@ -356,12 +356,12 @@ def stiffness_behind_scales(enforcement: Enforcement) -> None:
     gap = _gaps(law)
     one, two = (_pressures(law, gap, stiffness)[0] for stiffness in (1e4, 2e4))
     if np.array_equal(one, two) and any("MPa" in unit for unit in units_of(type(law)).values()):
-        raise NotApplicable("its pressures follow from its own numbers of stress, whatever the cells are made of")
+        raise NotApplicable("its pressures follow from its own stresses, not from the cells' stiffness")
     agree(two, 2.0 * one, 1e-9 * float(two.max()), "pressures in front of cells twice as stiff")
 
 
 def units_do_not_matter_to_the_pressure(enforcement: Enforcement) -> None:
-    """In m, ms and kPa in place of mm, s and MPa a law has the same pressures, by the units of its docstring."""
+    """In m, ms and kPa instead of mm, s and MPa a law has the same pressures, by the units of its docstring."""
     law = _law(enforcement)
     other, gap = in_other_units(law), _gaps(law)
     behind = (STRESS / LONG * 1e4, LONG * 0.5), (1e4, 0.5)

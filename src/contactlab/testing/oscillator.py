@@ -94,7 +94,7 @@ class Oscillator:
         self.bind()
 
     def bind(self) -> None:
-        """Bind the integrator, anew after the state was restored."""
+        """Bind the integrator, again after the state was restored."""
         equations: Any = self
         advance = self.integrator.bind(equations, self.state)
         self.advance: Callable[[float], Step] = BoundIntegrator(
@@ -123,7 +123,7 @@ class Oscillator:
 
     @property
     def broken(self) -> bool:
-        """Whether no force is a number."""
+        """Return whether forces are NaN."""
         return self.calls_left <= 0
 
     def external_force(self, time: float, out: Floats) -> bool:
@@ -145,7 +145,7 @@ class Oscillator:
             self.contact.begin_step(self.reference + self.state["displacement"])
 
     def stiffness(self, dt: float) -> Any:
-        """That of the springs, diagonal, CSC; springs of no stiffness have an entry as well."""
+        """Stiffness of the springs, diagonal, CSC; springs of no stiffness have an entry as well."""
         from scipy.sparse import csc_array
 
         n = 2 * len(self.springs)
@@ -155,11 +155,11 @@ class Oscillator:
         """Add nothing: no load depends on positions or velocities."""
 
     def estimate(self, time: float) -> Estimate | None:
-        """None: nothing is known of where a step ends before it is made."""
+        """Return None: the end of a step is unknown before it is made."""
         return None
 
     def folded(self) -> bool:
-        """Whether it is `broken`, as there are no cells that could fold."""
+        """Return `broken`, as there are no cells that could fold."""
         return self.broken
 
     def iterated(self) -> None:

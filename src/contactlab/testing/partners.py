@@ -1,4 +1,4 @@
-"""Parts that stand beside the one under check: shipped ones alone, whatever else is installed."""
+"""Partners of the part under check: shipped parts alone, whatever else is installed."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ YIELDING = 0.08  # of the steps that made a history: usual laws have yielded by 
 
 NEEDED = {"x": 0.3, "y": 0.7, "time": 1e-3, "cell_size": 0.2}
 FIELD = 0.01
-"""What laws need, in mm and s, and any field of the scene."""
+"""Needs of laws, in mm and s, and any field of the scene."""
 
 IDENTITY = np.array([[1.0], [0.0], [0.0], [1.0]])
 
@@ -45,7 +45,7 @@ def some_history(law: Material, count: int) -> Floats:
 
 
 def usual_step(law: Material) -> float:
-    """Length [s] of steps in which the law does what it does: its own time, where it tells one."""
+    """Length [s] of steps in which the law acts: its own time, if it declares one."""
     return scale_of(law, "time_scale", DT)
 
 
@@ -94,7 +94,7 @@ def conjugate(law: Material, gradient: Floats, stress: Floats) -> Floats:
 
 
 def stress_of_work(law: Material, gradient: Floats) -> Floats:
-    """What is conjugate to F for "finite" laws, and to the strain for "small" ones, reached from rest."""
+    """Stress conjugate to F for "finite" laws, and to the strain for "small" laws, reached from rest."""
     return conjugate(law, gradient, respond(law, gradient, no_history(law, gradient.shape[1]), elastic_step(law))[0])
 
 

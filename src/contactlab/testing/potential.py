@@ -30,7 +30,7 @@ def _pressed(potential: Potential, lift: float | None = None) -> tuple[Potential
 
 def _scale(potential: Potential, view: PotentialView, positions: Floats) -> float:
     largest = float(np.abs(potential.gradient(view, positions)).max())
-    require(0.0 < largest < np.inf, f"surfaces that press have a largest force of {largest:.3g} N")
+    require(0.0 < largest < np.inf, f"the largest force of pressed surfaces is {largest:.3g} N")
     return largest
 
 
@@ -107,7 +107,7 @@ def patch_test(potential: Potential) -> None:
 
 
 def shown_forces_sum_to_those_that_act(potential: Potential) -> None:
-    """Forces that are shown of slave nodes sum to those that act, wherever it hangs over the master's end."""
+    """Shown forces of slave nodes sum to the acting forces, however far the slave hangs over the master's end."""
     view, at = _pressed(potential)
     m = len(view.slave.nodes)
     view = view._replace(friction=FrictionBound(0.3, 0.0, np.inf) if potential.rubs else None)
@@ -130,11 +130,11 @@ def no_force_when_apart(potential: Potential) -> None:
     """Surfaces that are two segments apart have no force."""
     view, at = _pressed(potential, lift=2.0 * flat().spacing)
     agree(potential.gradient(view, at), np.zeros_like(at), 0.0, "force on surfaces that are apart")
-    require(potential.largest_step(view, at, np.zeros_like(at)) == 1.0, "largest_step: it cuts no motion at all")
+    require(potential.largest_step(view, at, np.zeros_like(at)) == 1.0, "largest_step: it cuts a motion of zero")
 
 
 def steps_end_before_surfaces_meet(potential: Potential) -> None:
-    """Of a motion through the master a part is allowed, after which the energy is finite; of others all."""
+    """A motion through the master is cut to a part after which the energy is finite; other motions are not cut."""
     view, at = _pressed(potential)
     if not potential.clearance(view) > 0.0:
         raise NotApplicable("surfaces may overlap: clearance is 0")
@@ -143,7 +143,7 @@ def steps_end_before_surfaces_meet(potential: Potential) -> None:
     share = potential.largest_step(view, at, through)
     require(0.0 < share < 1.0, f"largest_step: {share} of a motion through the master, needed: more than 0, below 1")
     require(np.isfinite(potential.energy(view, at + share * through)), "energy after the largest step is not finite")
-    require(potential.largest_step(view, at, -through) == 1.0, "largest_step: surfaces that part are held back")
+    require(potential.largest_step(view, at, -through) == 1.0, "largest_step: it cuts a separating motion")
 
 
 def friction_opposes_slip(potential: Potential) -> None:

@@ -122,7 +122,7 @@ def leaves_something(recorder: Recorder) -> None:
 
 
 def _open_in(folder: Path) -> list[str]:
-    """Files below a folder that this process has open, where the system tells."""
+    """Files below a folder that this process has open, if the system reports them."""
     links = Path("/proc/self/fd")
     if not links.is_dir():
         return []
@@ -131,7 +131,7 @@ def _open_in(folder: Path) -> list[str]:
 
 
 def changes_nothing(recorder: Recorder) -> None:
-    """Frames belong to the run, which goes on with their arrays."""
+    """Frames belong to the run, which keeps using their arrays."""
     run = SmallRun()
     for frame in run.frames:  # numbers in no order: what sorts or takes sizes in place leaves others
         for values in (frame.displacement, frame.velocity, *frame.cells["square"].values()):
@@ -158,7 +158,7 @@ def closes_after_a_failure(recorder: Recorder) -> None:
 
 
 def records_twice(recorder: Recorder) -> None:
-    """A recorder keeps nothing of a run: two recordings of it, open at once, or again in the same folder, are alike."""
+    """A recorder keeps nothing of a run: two recordings of it, open together or in the same folder, are equal."""
     run = SmallRun()
     with TemporaryDirectory() as first, TemporaryDirectory() as second:
         both = [recorder.open(Path(place), run.layout) for place in (first, second)]
@@ -170,7 +170,7 @@ def records_twice(recorder: Recorder) -> None:
         record(recorder, again := recorder.open(Path(first), run.layout), run)
         again.close(SUMMARY)
         left.append(_contents(first))
-    for which, other in (("a second", left[1]), ("a run that is recorded anew in its folder", left[2])):
+    for which, other in (("a second", left[1]), ("a second recording in its folder", left[2])):
         require(left[0].keys() == other.keys(), f"the first leaves {sorted(left[0])}, {which} {sorted(other)}")
         for name, size in left[0].items():
             # time stamps and names of folders may be in it
@@ -183,7 +183,7 @@ def _contents(place: str) -> dict[str, int]:
 
 
 def everything_leaves_a_trace(recorder: Recorder) -> None:
-    """Every frame, and every step where they are asked for, changes what is written, beside time stamps."""
+    """Every frame, and every step if it takes steps, changes what is written, apart from time stamps."""
     for number in range(4):
         _told(recorder, f"time, scalars and displacements of frame {number}", number, None)
     if recorder.every_step:
@@ -192,7 +192,7 @@ def everything_leaves_a_trace(recorder: Recorder) -> None:
 
 
 def _told(recorder: Recorder, what: str, frame: int | None, step: int | None) -> None:
-    """Other numbers in a frame or step are other bytes. Stamps tick: equal before and after, they are none."""
+    """Other numbers in a frame or step give other bytes. Bytes that always change, as time stamps, do not count."""
     other = SmallRun()
     if frame is not None:
         was = other.frames[frame]
@@ -202,12 +202,12 @@ def _told(recorder: Recorder, what: str, frame: int | None, step: int | None) ->
     runs = ((SmallRun(), None), (other, step), (other, step), (SmallRun(), None))
     before, one, two, after = (_written(recorder, run, spoilt) for run, spoilt in runs)
     if _sizes(before) != _sizes(after):
-        raise NotApplicable("two recordings of a run have other files or sizes by themselves")
+        raise NotApplicable("two recordings of the same run have different files or sizes")
     if _sizes(one) != _sizes(before):
         return
     steady = [(_bytes(before[n]) == _bytes(after[n])) & (_bytes(one[n]) == _bytes(two[n])) for n in before]
     changed = (np.any(same & (_bytes(one[n]) != _bytes(before[n]))) for n, same in zip(before, steady, strict=True))
-    require(any(changed), f"{what} are not in what is written")
+    require(any(changed), f"{what} do not change what is written")
 
 
 def bodies_are_told_apart(recorder: Recorder) -> None:
@@ -223,9 +223,9 @@ def bodies_are_told_apart(recorder: Recorder) -> None:
 
     plain = written()
     if plain != written():
-        raise NotApplicable("two recordings of a run differ by themselves")
+        raise NotApplicable("two recordings of the same run differ")
     seen = [name for name in bodies if written(name) != plain]
-    require(len(seen) != 1, f"of two bodies, the stresses of the {''.join(seen)} alone change what is written")
+    require(len(seen) != 1, f"only the stresses of the {''.join(seen)} of two bodies change what is written")
 
 
 def _sizes(files: dict[str, bytes]) -> dict[str, int]:

@@ -20,7 +20,7 @@ from contactlab.testing.assertions import Check, NotApplicable, require
 from contactlab.testing.partners import partners
 
 ASIDE = 0.75
-"""By how much bodies are moved along x [mm]."""
+"""Distance by which bodies are moved along x [mm]."""
 STRANGE: tuple[dict[str, Any], ...] = ({}, {"name": "x"}, {"contacts": [], "bodies": {}, "supports": [{}]})
 """Scenes without what a reference may look for."""
 
@@ -47,22 +47,22 @@ def scenes(reference: ReferenceSolution) -> Iterator[Scene]:
 def says_what_it_is(reference: ReferenceSolution) -> None:
     """Title and origin are given; it can be pickled and is equal to its copy."""
     require(bool(reference.title) and bool(reference.origin), "its title or its origin is empty")
-    require(pickle.loads(pickle.dumps(reference)) == reference, "it is not equal to what its pickle brings back")
+    require(pickle.loads(pickle.dumps(reference)) == reference, "it differs from its copy after pickling")
 
 
 def is_silent_about_strange_scenes(reference: ReferenceSolution) -> None:
     """A scene without what it looks for has a reason why it does not hold; nothing is raised."""
     for scene in STRANGE:
-        require(bool(reference.mismatch(scene)), f"it holds for the scene {scene}, which has nothing in it")
+        require(bool(reference.mismatch(scene)), f"it holds for the empty scene {scene}")
 
 
 def does_not_depend_on_the_mesh(reference: ReferenceSolution) -> None:
-    """Where it holds for a bundled scene, it does so at any level, with any algorithm and either slave."""
+    """A reference that holds for a bundled scene does so at any level, with any algorithm and either slave."""
     another = partners(default_registry(), "contact")[-1]
     for scene in _some(reference):
         for key, value in {"level": 2, "contacts.0.swap": True, "contacts.0.algorithm": another}.items():
             why = reference.mismatch(scene.with_({key: value}).data)
-            require(not why, f"it holds for {scene.name} and not with {key} = {value!r}: {why}")
+            require(not why, f"it holds for {scene.name}, but not with {key} = {value!r}: {why}")
 
 
 def can_be_compared_with(reference: ReferenceSolution) -> None:
@@ -76,12 +76,12 @@ def can_be_compared_with(reference: ReferenceSolution) -> None:
         found = PartSource("reference", reference).at(data)
         require(dict(data) == before, f"it changes the scene {scene.name}")
         same = np.array_equal(first.x, second.x) and np.array_equal(first.pressure, second.pressure)
-        require(same, "it gives another pressure when it is asked again")
-        require(float(np.max(found.profile.value)) > 0.0, f"nothing is pressed in its solution of {scene.name}")
+        require(same, "a second call gives another pressure")
+        require(float(np.max(found.profile.value)) > 0.0, f"its solution of {scene.name} has no pressure")
         if first.spread is not None:
             shapes = np.shape(first.spread), np.shape(first.x)
             require(shapes[0] == shapes[1], f"its spread has the shape {shapes[0]}, x has {shapes[1]}")
-        require(math.isnan(first.error) or 0.0 <= first.error < 1.0, f"its error is {first.error}, a share of 1")
+        require(math.isnan(first.error) or 0.0 <= first.error < 1.0, f"its error is {first.error}, allowed: 0 to 1")
         for name, scalar in first.scalars.items():
             good = math.isfinite(scalar.value) and scalar.error >= 0.0
             require(good, f"its {name} is {scalar.value} +- {scalar.error}")
@@ -92,12 +92,12 @@ def pressure_carries_the_reaction(reference: ReferenceSolution) -> None:
     for scene in _some(reference):
         solution = reference.solution(scene.data)
         if "reaction" not in solution.scalars:
-            raise NotApplicable("it tells no reaction")
+            raise NotApplicable("its solution has no reaction")
         _carries(PartSource("reference", reference).at(scene.data), solution)
 
 
 def follows_the_depth(reference: ReferenceSolution) -> None:
-    """What is pressed by nine tenths of the way or of the load is pressed less, if it holds for that as well."""
+    """Nine tenths of the displacement or load give less force, if it holds for that as well."""
     seen = 0
     for scene in _some(reference):
         key, value = _drive(scene)
@@ -109,11 +109,11 @@ def follows_the_depth(reference: ReferenceSolution) -> None:
         require(carried[1] < carried[0], text)
         seen += 1
     if not seen:
-        raise NotApplicable("it holds for one depth alone")
+        raise NotApplicable("it holds for one depth only")
 
 
 def _drive(scene: Scene) -> tuple[str, float]:
-    """Key and value of the longest way of a support along y, or of the largest pressure; 0 where there is none."""
+    """Key and value of the longest way of a support along y, or of the largest pressure; 0 if there is none."""
     moves: dict[str, float] = {}
     loads: dict[str, float] = {}
     for group, found, name in (("supports", moves, "uy"), ("loads", loads, "pressure")):
@@ -146,7 +146,7 @@ def moves_with_the_bodies(reference: ReferenceSolution) -> None:
         require(off <= 1e-9 * float(np.ptp(one.x)), f"bodies that lie {ASIDE:g} mm aside have x off by {off:.3g} mm")
         seen += 1
     if not seen:
-        raise NotApplicable("it holds for one place alone")
+        raise NotApplicable("it holds for one place only")
 
 
 def _carries(found: Reference, solution: Solution) -> None:
@@ -157,12 +157,12 @@ def _carries(found: Reference, solution: Solution) -> None:
     curved = float(np.ptp(pressure)) / max(float(pressure.max()), 1e-300)
     allowed = reaction.error + (share + 1e-9 + 4.0 * curved / len(found.profile.x) ** 2) * abs(reaction.value)
     carried = integral(found.profile)
-    text = f"its pressure carries {carried:.6g}, its reaction is {reaction.value:.6g}"
+    text = f"its integrated pressure is {carried:.6g} N/mm, its reaction {reaction.value:.6g} N/mm"
     require(abs(carried - abs(reaction.value)) <= allowed, text)
 
 
 def _some(reference: ReferenceSolution) -> list[Scene]:
-    """Scenes to look at. Raises NotApplicable where there is none."""
+    """Scenes to look at. Raises NotApplicable if there is none."""
     found = list(scenes(reference))
     if not found:
         raise NotApplicable("it holds for no bundled scene, and gives no examples()")

@@ -16,15 +16,15 @@ from contactlab.errors import RequestError, one_line
 from contactlab.testing.assertions import Check, Expected, NotApplicable, Undeclared
 
 LIBRARIES = ("numpy", "scipy", "numba")
-"""Where parts stumble in them, the line of the part is told."""
+"""If a part raises an error in them, the line of the part is reported."""
 
 Status = Literal["passed", "failed", "not applicable", "expected"]
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """One check of one part: `says` is what it proves, `reason` why it failed, was left out or was expected to be
-    missed; of one that passed, what the part could declare."""
+    """Result of one check: `says` is what it proves, `reason` why it failed, was not applicable or was expected to
+    fail; after a pass, what the part could declare."""
 
     check: str
     says: str
@@ -82,7 +82,7 @@ def _packages(error: BaseException) -> list[str]:
 
 
 def _place(error: BaseException) -> str:
-    """File and line of the last frame before those of libraries that a part calls; empty where it is the core's."""
+    """File and line of the last frame before library frames; empty if it belongs to the core."""
     places = [(frame.f_code.co_filename, line) for frame, line in walk_tb(error.__traceback__)]
     packages = _packages(error)
     own = [n for n, package in enumerate(packages) if package not in ("contactlab", *LIBRARIES)]

@@ -15,7 +15,7 @@ class Subject:
     """A part under check.
 
     fields   of the part, as a scene writes them; usual values stand in for those without a default
-    results  of runs that several checks look at, by what was run
+    results  of runs that several checks use, by what was run
     """
 
     registry: Registry

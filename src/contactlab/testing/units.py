@@ -16,11 +16,11 @@ TIME, LONG, STRESS = 1e3, 1e-3, 1e3
 FORCE = STRESS * LONG
 """Per mm of thickness, as all forces are."""
 CLOSE = 1e-6
-"""Relative: constants below a millionth of the smallest number are none."""
+"""Relative: constants below a millionth of the smallest number do not count."""
 
 
 def scale_of_unit(unit: str, time: float = TIME) -> float | None:
-    """By how much a number in this unit, as `MPa/mm`, grows in m, ms and kPa; None if it is not made of known ones.
+    """Factor of a number in this unit, as `MPa/mm`, in m, ms and kPa; None if it is not made of known units.
 
     time  the number of new units of time in a second
     """
@@ -29,7 +29,7 @@ def scale_of_unit(unit: str, time: float = TIME) -> float | None:
         "1": 1.0, "-": 1.0, "K": 1.0, "degree": 1.0,
     }  # fmt: skip
     scale = 1.0
-    unit = re.split(", | or ", unit)[0]  # of several, as of the places of a function, the first
+    unit = re.split(", | or ", unit)[0]  # the first of several units, as for places of a function
     for number, side in enumerate(unit.split("/")):
         for word in side.replace("*", " ").split() or [""]:
             found = re.fullmatch(r"(-|1|[A-Za-z]+)\^?(\d*)", word)
@@ -49,7 +49,7 @@ def in_other_units(part: Any, time: float = TIME) -> Any:
             continue
         by = scale_of_unit(units.get(field.name, ""), time)
         if by is None or not all(isinstance(number, float) for number in numbers):
-            raise NotApplicable(f"its docstring gives no unit of {field.name} that is made of mm, s and MPa")
+            raise NotApplicable(f"its docstring gives no unit of {field.name} in mm, s and MPa")
         other[field.name] = tuple(by * n for n in value) if isinstance(value, tuple) else by * value
     if not other:
         raise NotApplicable("it has no fields with units")
@@ -66,6 +66,6 @@ def same_in_other_units(found: Any, wanted: Any, by: float, what: str) -> None:
     wrong = ~np.isclose(one, other, rtol=CLOSE, atol=CLOSE * 1e-6 * size)
     if wrong.any():
         raise AssertionError(
-            f"{what}: units of its fields do not fit together, or it has a number with a unit of its own "
-            f"(got {float(one[wrong][0]):.6g} in m, ms and kPa, which should be {float(other[wrong][0]):.6g})"
+            f"{what}: units of its fields are inconsistent, or it has a number with a unit of its own "
+            f"(got {float(one[wrong][0]):.6g} in m, ms and kPa, expected {float(other[wrong][0]):.6g})"
         )

@@ -35,7 +35,7 @@ def looks_only(watch: Watch) -> None:
 def finds_arrays(watch: Watch) -> None:
     """Its memory is arrays by name, the same in a second run."""
     first, second = (simulate(small_scene(), watch={"watch": watch}).watched["watch"] for _ in range(2))
-    require(len(first) > 0, "it found nothing at all")
+    require(len(first) > 0, "it found nothing in the run")
     for name, values in first.items():
         require(np.array_equal(values, second[name], equal_nan=True), f"{name} differs between two equal runs")
 
@@ -48,7 +48,7 @@ def remembers(watch: Watch) -> None:
 
 
 def _stepped(watch: Watch, restart_at: int | None) -> dict[str, Any]:
-    """What it found after some steps; at one of them its memory moves to another copy of it."""
+    """Return what it found after some steps; at step `restart_at` its memory moves to another copy."""
     scene = small_scene()
     model = build(scene, scene.registry)
     advance, watching = model.bound_integrator().step, Watching(model, {"watch": watch})

@@ -108,7 +108,7 @@ class SeriesWriter:
             self.recording.send_columns(f"{self.appearance.path}/{series.path}", when, columns)
 
     def log_styles(self, several: bool) -> None:
-        """Log names and colours of the lines, of several runs the run's colour; lines that are always zero are hidden."""
+        """Log names and colours of the lines, of several runs each run's colour; lines of zeros are hidden."""
         numbers: dict[str, int] = {}
         # where pixels are too few the viewer takes one of some rows, as if these were evenly apart
         policies = rr.components.AggregationPolicy

@@ -12,7 +12,8 @@ conditions of frictionless contact need no more than n and the shares.
 
 Each node has a condition of its own, which makes the method simple, cheap and local. The cost: forces of a uniform
 pressure are not consistent with its elements, so that a patch test fails where meshes do not match, and what the
-master has between two slave nodes is not seen. So corners of the master are held from outside the slave's segments as well.
+master has between two slave nodes is not seen. So corners of the master are also held from outside the slave's
+segments.
 The core has all that a chain of segments is not by itself: which segment is the nearest and when another takes over,
 vertices between segments, where there is no foot, concave corners, where there are two, corners, and the parabolas of
 quadratic edges (docs/theory/surfaces.md).

@@ -1,4 +1,4 @@
-"""Which scenarios a kind of part is put to; those of elements and of integrators."""
+"""Scenarios by kind of part; scenarios of elements and of integrators."""
 
 from __future__ import annotations
 

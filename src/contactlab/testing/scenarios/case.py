@@ -14,7 +14,7 @@ from contactlab.testing.spoilt import spoilt, unknown
 from contactlab.testing.subject import Subject
 
 WORK = 300.0
-"""Steps and iterations after which its runs are stopped: they have begun, and short ones are over."""
+"""Steps and iterations after which its runs are stopped: they have begun, and short ones have ended."""
 
 
 def is_put_to_an_algorithm(subject: Subject) -> None:
@@ -27,8 +27,8 @@ def is_put_to_an_algorithm(subject: Subject) -> None:
     if all(record.finished for record in done.values()):
         found = set(evaluated(case, setup, done))
         measured = {measure.name for measure in case.measures(setup)}
-        require(found <= measured, f"it finds what is no measure of it: {', '.join(sorted(found - measured))}")
-        require(found == measured, f"it does not find {', '.join(sorted(measured - found))}, though its runs finished")
+        require(found <= measured, f"evaluate returns what is not a measure: {', '.join(sorted(found - measured))}")
+        require(found == measured, f"all runs finished, but it returns no {', '.join(sorted(measured - found))}")
         _follows_from_its_records(case, setup, done)
 
 
@@ -44,14 +44,14 @@ def _follows_from_its_records(case: Case, setup: Setup, done: Mapping[str, Recor
         changed = {key for other in others for key in plain if repr(other.get(key)) != repr(plain[key])}
         # a run may be there to plan the next one by
         planned = _plan(case, setup, {}) == _plan(case, setup, {**done, name: spoilt(done[name])})
-        require(changed or not planned, f"it finds the same numbers whatever is in the record of its run {name}")
+        require(changed or not planned, f"its numbers do not depend on the record of its run {name}")
         moved |= changed
     still = [key for key in judged if key not in moved and plain[key] != 0.0]
-    require(not still, f"it finds the same {', '.join(still)} in records in which every number is another")
+    require(not still, f"it finds the same {', '.join(still)} in records with other numbers")
     by_curves = {key for key, value in _evaluated_curves(case, setup, done, spoilt).items() if value != plain[key]}
     for key, value in _evaluated_curves(case, setup, done, unknown).items():
         blind = key in by_curves and key in judged and judged[key].met(value)
-        require(not blind, f"{key} is {value:.3g}, and met, in curves of NaN; NaN says that nothing is known")
+        require(not blind, f"{key} is {value:.3g}, and met, in curves of NaN, needed: NaN")
 
 
 def _plan(case: Case, setup: Setup, done: Mapping[str, Record]) -> list[object]:
@@ -61,7 +61,7 @@ def _plan(case: Case, setup: Setup, done: Mapping[str, Record]) -> list[object]:
 def _evaluated_curves(
     case: Case, setup: Setup, done: Mapping[str, Record], change: Callable[[Record], Record]
 ) -> Mapping[str, float]:
-    """What it finds where the curves alone are changed."""
+    """Return what it finds if only the curves are changed."""
     return evaluated(case, setup, {name: replace(one, curves=change(one).curves) for name, one in done.items()})
 
 

@@ -1,4 +1,4 @@
-"""Cases that prove what a part promises, asked for in the registry."""
+"""Cases, from the registry, that prove what a part promises."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from contactlab.testing.subject import Subject
 
 PACKAGE = "contactlab-cases"
 ENERGY = "rise of energy"
-"""What measures of energy that contact makes have in their name."""
+"""Text in the names of measures of energy made by contact."""
 WIDTH = "half-width"
-"""What measures of the ends of contact have in their name."""
+"""Text in the names of measures of the ends of contact."""
 EVEN, EVEN_BY_A_LAW = 1e-10, 1e-5
-"""Of the largest stress: round-off of a solve; what iterations leave that find the pressure of a law."""
+"""Shares of the largest stress: round-off of a solve; error of iterations for the pressure of a law."""
 WORK = 5000.0
 """Steps and iterations of a run that sets no limit."""
 
 
 @dataclass(frozen=True)
 class Question:
-    """A case with some of its fields; `element` counts among those of the case, `swap` exchanges the slave."""
+    """A case with some of its fields; `element` is a number among the case's elements, `swap` exchanges the slave."""
 
     case: str
     fields: Mapping[str, Any] = field(default_factory=dict)
@@ -62,7 +62,7 @@ def answer(subject: Subject, question: Question) -> None:
         and found.status == "refused"
         and "start" in found.reason
     ):
-        raise NotApplicable(f"{said}; assumes bodies that are large beside its clearance")
+        raise NotApplicable(f"{said}; assumes bodies that are large compared with its clearance")
     why = _excuse(subject, question, found)
     if why:
         raise Expected(f"{said}; {why}")
@@ -70,7 +70,7 @@ def answer(subject: Subject, question: Question) -> None:
 
 
 def answer_evenly(subject: Subject, question: Question) -> None:
-    """Put a patch test to sides that overlap to press: the stress is uniform, if short of that of sides that touch."""
+    """Put a patch test to sides that overlap to press: the stress is uniform, if lower than for touching sides."""
     case = _case(subject.registry, question)
     _, done = run_case(case, _setup(subject, case, question), subject.registry, work=WORK)
     for record in done.values():
@@ -78,11 +78,11 @@ def answer_evenly(subject: Subject, question: Question) -> None:
         stress = np.concatenate([values.reshape(-1, values.shape[-1]) for values in record.stress.values()])
         spread = float(np.ptp(stress, axis=0).max() / np.abs(stress).max())
         most = EVEN_BY_A_LAW if half_passes(subject) else EVEN
-        require(spread <= most, f"{question.label}: the stress differs by {spread:.3g} of the largest, allowed {most}")
+        require(spread <= most, f"{question.label}: the stress varies by {spread:.3g} of the largest, allowed {most}")
 
 
 def found_of(subject: Subject, question: Question) -> Finding:
-    """The verdict of the case. Raises NotApplicable where it is not installed."""
+    """The verdict of the case. Raises NotApplicable if it is not installed."""
     case = _case(subject.registry, question)
     setup = _setup(subject, case, question)
     why = unfit(case, setup, subject.registry)
@@ -126,7 +126,7 @@ def _quadratic(registry: Registry, case: Case) -> Any:
 
 
 def _told(found: Finding) -> str:
-    """What was missed: numbers with what is allowed and why, or how the run ended."""
+    """Text of missed numbers with limits and reasons, or the end of the run."""
     bad = [j for j in found.judged if j.verdict not in ("met", "not-applicable") and j.value == j.value]
     if not bad:
         return f"the run ended as {found.status}: {found.reason}"
@@ -139,7 +139,7 @@ def _told(found: Finding) -> str:
 
 
 def _excuse(subject: Subject, question: Question, found: Finding) -> str:
-    """What the part declares that lets it miss this case; empty where it has no excuse."""
+    """Return the declaration that lets the part miss this case; empty without one."""
     if subject.kind != "contact":
         return ""
     cls = subject.part_class
@@ -148,9 +148,9 @@ def _excuse(subject: Subject, question: Question, found: Finding) -> str:
     if not cls.keeps_energy and found.status == "finished" and by_energy_alone:
         return "keeps_energy is False"
     if half_passes(subject) and missed and all(WIDTH in name for name in missed):
-        return "sides of half passes overlap by what their law asks for, which widens the contact"
+        return "sides of half passes overlap as their law needs, which widens the contact"
     if not cls.passes_patch_test and question.case == "patch":
         return "passes_patch_test is False"
     if not cls.passes_patch_test and question.element:
-        return "passes_patch_test is False, and quadratic edges take it far"
+        return "passes_patch_test is False, and quadratic edges enlarge the error"
     return ""

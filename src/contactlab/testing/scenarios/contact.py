@@ -88,7 +88,7 @@ def rest_after_a_fall(subject: Subject) -> None:
     question = Question("dropped-block")
     answer(subject, question)
     if not subject.part_class.keeps_energy:
-        tell("no step of contact made energy here; keeps_energy = True would hold the part to it in every check")
+        tell("no contact step made energy here; with keeps_energy = True every check requires that")
 
 
 def bars_exchange_their_momentum(subject: Subject) -> None:
@@ -100,7 +100,7 @@ def friction_alone_holds(subject: Subject) -> None:
     """A block that only friction holds keeps its place under Newton."""
     _implicit(subject)
     if issubclass(subject.part_class, Potential):
-        raise NotApplicable("friction of potentials is lagged: nothing holds a body before surfaces press")
+        raise NotApplicable("friction of potentials is lagged: it holds no body before surfaces press")
     answer(subject, Question("pulled-block"))
 
 
@@ -155,7 +155,7 @@ def matrices_are_derivatives(subject: Subject) -> None:
 
 
 def _seen(contact: Any, position: Any, y: Any, chosen: Any) -> list[Any]:
-    """Forces (2N,) of fixed multipliers, gaps and slips of those that are chosen, where nodes are."""
+    """Forces (2N,) of fixed multipliers, gaps and slips of the chosen multipliers, and node positions."""
     contact.evaluate(position)
     contact.conditions.force[:] = y
     forces = np.zeros((2, *position.shape))

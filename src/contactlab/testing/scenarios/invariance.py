@@ -1,4 +1,4 @@
-"""What must not matter: the frame, the units, the numbering, threads, and a stop on the way."""
+"""Invariance of results: frame, units, numbering, threads, and a restart on the way."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Renumbered(MeshSource):
     source: MeshSource
 
     def mesh(self, element: Element, level: int) -> Mesh:
-        """As the source's, renumbered."""
+        """Return the source's mesh, renumbered."""
         random, plain = np.random.default_rng(5), self.source.mesh(element, level)
         to = random.permutation(len(plain.nodes)).astype(np.int32)
         nodes = np.empty_like(plain.nodes)
@@ -47,13 +47,13 @@ class Renumbering(Registry):
         vars(self).update(vars(of))
 
     def make(self, kind: str, spec: Any, where: Where = "") -> Any:
-        """As the other registry's, meshes renumbered."""
+        """Make a part as the other registry does, but with meshes renumbered."""
         made = super().make(kind, spec, where)
         return Renumbered(made) if kind == "mesh" else made
 
 
 SAME: dict[Mode, float] = {"explicit": 1e-8, "statics": 1e-6}
-"""Of the largest value: round-off of 100 steps with contact solved to 1e-10 of a segment; Newton's tolerance."""
+"""Shares of the largest value: round-off of 100 steps with contact solved to 1e-10 of a segment; Newton's tolerance."""
 SPRINGS = 0.01
 """Springs are as stiff as nodes are along the axes, so that they give way a little differently in a turned scene."""
 OF_WEAK_CONDITIONS = {"pressure-integral", "pressure-saw", "shear-saw", "penetration"}
@@ -71,7 +71,7 @@ def comes_to_its_end(subject: Subject) -> None:
         for measure, value in invariants_of({mode: record}):
             said = f"{mode}: {measure.name} is {value:.3g}, allowed {allowed(measure)}"
             if _begins_loaded(subject) and mode == "statics" and "ledger" in measure.codes:
-                continue  # what is there at once does its work in the first load step, along an unknown path
+                continue  # initial loads do their work in the first load step, along an unknown path
             if excused & set(measure.codes) and not measure.met(value):
                 missed.append(said)
             else:
@@ -107,7 +107,7 @@ def _is_exact(subject: Subject) -> bool:
 def rotation_turns_the_answers(subject: Subject) -> None:
     """The whole scene turned by 30 degrees gives turned reactions, and the same pressures and shears."""
     if subject.kind == "effect" and not (subject.part_class.points or subject.part_class.vectors):
-        raise NotApplicable("it declares no fields that are points or vectors, which would have to turn as well")
+        raise NotApplicable("it declares no points or vectors, which would have to turn as well")
     if subject.kind == "material" and not subject.part_class.isotropic:
         raise NotApplicable("assumes that the law turns with the scene: isotropic is False")
     _without_places(subject)
@@ -135,7 +135,7 @@ def the_frame_does_not_matter(subject: Subject) -> None:
         for body in data["bodies"].values():
             body["shift"] = [float(value + far) for value, far in zip(body["shift"], SHIFT, strict=True)]
         moved = run(subject, Scene.from_data(data, registry=subject.registry), f"{mode}, shifted by {SHIFT} mm")
-        # positions of 40 mm have a round-off forty times that of positions of 1 mm
+        # positions of 40 mm have forty times the round-off of positions of 1 mm
         same(Answers.of(moved), Answers.of(plain(subject, mode)), 100.0 * SAME[mode], f"{mode}, shifted")
 
 
@@ -163,9 +163,9 @@ def the_numbering_does_not_matter(subject: Subject) -> None:
 
 
 def units_do_not_matter(subject: Subject) -> None:
-    """Lengths in m and stresses in kPa in place of mm and MPa give the same answers."""
+    """Lengths in m and stresses in kPa instead of mm and MPa give the same answers."""
     if subject.kind not in ("contact", "element"):
-        raise NotApplicable("the unit checks of the kind look at it")
+        raise NotApplicable("the unit checks of this kind cover it")
     scaled = subject
     if any(isinstance(value, float) for value in vars(subject.make()).values()):
         values = vars(in_other_units(subject.make(), time=1.0))
@@ -202,7 +202,7 @@ def threads_give_the_same_bits(subject: Subject) -> None:
 
 
 def restart_is_exact(subject: Subject) -> None:
-    """Stopped half-way and taken up by new parts, a run goes on with the same bits: nothing is remembered aside."""
+    """A run stopped half-way and resumed by new parts has the same bits: no state is kept elsewhere."""
     for mode in modes_of(subject):
         scene = pressed(subject, mode)
         steps, dt = (20, scene.time.step) if scene.time.step else (3, 1.0 / 3.0)
@@ -223,7 +223,7 @@ def _advanced(scene: Scene, steps: int, save_at: int, dt: float, saved: Any = No
             saved = pickle.dumps(model_memory(model))
         length = dt
         while (step := advance(length)).longest is not None and step.status is not StepStatus.accepted:
-            require(step.longest < length, f"step {number + 1} was not accepted, and the next is to be as long")
+            require(step.longest < length, f"step {number + 1} was rejected, but the next try is as long")
             length = step.longest
         require(step.status is StepStatus.accepted, f"step {number + 1} was not accepted: {step.reason}")
     return {name: values.copy() for name, values in model.state.fields.items()}, saved

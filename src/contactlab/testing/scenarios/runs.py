@@ -52,12 +52,12 @@ def modes_of(subject: Subject) -> tuple[Mode, ...]:
 
 
 def _stands_in_statics(subject: Subject) -> bool:
-    """Whether an effect says at once that it has no place in statics."""
+    """Return whether an effect accepts statics: False if building the scene refuses it."""
     if "statics" not in subject.results:
         scene = pressed(subject, "statics")
         try:
             build(scene, scene.registry)
-        except SceneError as error:  # what the effect refuses by a ValueError; what it raises else has failed
+        except SceneError as error:  # the effect refuses by a ValueError; any other error is a failure
             subject.results["statics"] = error
             return False
         subject.results["statics"] = simulate(scene)
@@ -83,7 +83,7 @@ def _fields(subject: Subject) -> dict[str, Any]:
 
 
 def _placed(subject: Subject, mode: Mode) -> dict[str, Any]:
-    """Where the part stands in the scene."""
+    """Return the changes that put the part into the scene."""
     spec = subject.spec
     match subject.kind:
         case "contact":
@@ -108,11 +108,11 @@ def _placed(subject: Subject, mode: Mode) -> dict[str, Any]:
             return {"effects": [spec]}
         case "recorder":
             return {"record.recorders": [spec], "record.frames": 4}
-    raise NotApplicable(f"a part of kind {subject.kind} has no place in this scene")
+    raise NotApplicable(f"a part of kind {subject.kind} does not occur in this scene")
 
 
 def half_passes(subject: Subject) -> bool:
-    """Whether the part is an algorithm of two half passes, which press by laws and balance as far as meshes resolve."""
+    """Return whether the part is an algorithm of two half passes, which press by laws and balance approximately."""
     return subject.kind == "contact" and subject.make().half_pass() is not None
 
 
@@ -153,7 +153,7 @@ def plain(subject: Subject, mode: Mode) -> Results:
 
 @dataclass(frozen=True)
 class Answers:
-    """What a run answers, whatever the numbering: the force at the top (2,), and pressures and shears (m,)."""
+    """Answers of a run, independent of numbering: the force at the top (2,), and pressures and shears (m,)."""
 
     reaction: Floats
     pressure: Floats
@@ -161,7 +161,7 @@ class Answers:
 
     @classmethod
     def of(cls, results: Results) -> Answers:
-        """Of the end of a run."""
+        """Return the answers at the end of a run."""
         curve = results.contact["contacts.0"].last
         return cls(np.array(results.summary["reactions"][TOP]), curve.pressure, curve.shear)
 
@@ -178,8 +178,8 @@ def same(found: Answers, wanted: Answers, within: float, what: str) -> None:
     """Raise AssertionError where answers differ by more than `within` of the largest."""
     for name, unit in (("reaction", "N/mm"), ("pressure", "MPa"), ("shear", "MPa")):
         one, other = getattr(found, name), getattr(wanted, name)
-        require(one.shape == other.shape, f"{what}: {len(one)} values of the {name} in place of {len(other)}")
-        # shears are bounded by friction: what is small beside the pressure has its round-off
+        require(one.shape == other.shape, f"{what}: {len(one)} values of the {name}, expected {len(other)}")
+        # shears are bounded by friction: shears small against the pressure have its round-off
         scale = float(np.abs(wanted.pressure if name == "shear" else other).max(initial=0.0))
         off = float(np.abs(one - other).max(initial=0.0))
         require(
