@@ -58,7 +58,7 @@ def test_a_matrix_is_judged_and_found_again(tmp_path: Path, capsys: pytest.Captu
     printed = " ".join(capsys.readouterr().out.split())
     for _, result in first.cells:
         assert any(f"met {m['value']:.2g}" in printed for m in result.measures)
-    assert "met: all numbers are within what the case allows" in printed
+    assert "met: all measures are within their limits" in printed
     again = contactlab.matrix(["two-bars"], ["mortar-p0", "node-on-segment"], out=tmp_path / "matrix", resume=True)
     assert [result.measures for _, result in again.cells] == [result.measures for _, result in first.cells]
 

@@ -1,4 +1,4 @@
-"""One case put to one setup: a plan of its jobs, and what it finds in their records."""
+"""Plan and evaluation of one case with one setup: its jobs, and its numbers from their records."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def scene_of(job: Job, registry: Registry | None = None, enforcement: Spec = "")
 
 
 def is_potential(spec: Any, registry: Registry) -> bool:
-    """Whether this contact algorithm is a potential; one that cannot be imported is not."""
+    """Return whether this contact algorithm is a potential; an algorithm that cannot be imported is not."""
     try:
         return issubclass(registry.part_class("contact", split_spec("contact", spec, "")[0]), Potential)
     except RequestError:

@@ -1,4 +1,4 @@
-"""What one cell of the matrix is: met, missed, failed, silent ... and every number with its own verdict."""
+"""Verdict on a cell of the matrix: met, missed, failed, silent ... and every number with its own verdict."""
 
 from __future__ import annotations
 
@@ -43,12 +43,12 @@ WORST: Final[tuple[Verdict, ...]] = (
 """The worst first."""
 
 SILENT_FROM = 3.0
-"""Times the error that a case allows: a finished run that is off by more, without a word, is silent."""
+"""Multiple of the error that a case allows: a finished run with a larger error and no warning is silent."""
 
 
 @dataclass(frozen=True)
 class Judged:
-    """One measure: its value and verdict; `why` is the reason of the tolerance, or of the verdict."""
+    """Measure with its value and verdict."""
 
     measure: Measure
     value: float
@@ -57,7 +57,7 @@ class Judged:
 
 @dataclass(frozen=True)
 class Finding:
-    """What came of one cell: the worst of its measures, and the status of its runs."""
+    """Result of one cell: the worst of its measures, and the status of its runs."""
 
     verdict: Verdict
     status: str
@@ -88,7 +88,7 @@ def judge(case: Case, setup: Setup, done: Mapping[str, Record], values: Mapping[
         ]
     impossible = case.ill_posed(setup)
     if impossible and status in ("not-converged", "refused"):
-        return Finding("ill-posed", status, f"{impossible}; the run says so: {reason}", tuple(judged))
+        return Finding("ill-posed", status, f"{impossible}; the run reports: {reason}", tuple(judged))
     if impossible and status == "finished" and (shown := _shown_to_have_no_limit(judged)):
         return Finding("ill-posed", status, f"{impossible}; {shown}", tuple(judged))
     own: list[Verdict] = [j.verdict for j in judged]
@@ -100,7 +100,7 @@ def judge(case: Case, setup: Setup, done: Mapping[str, Record], values: Mapping[
 def verdict_of(
     measure: Measure, value: float, status: str, codes: frozenset[str] = frozenset(), guarded: bool = True
 ) -> Verdict:
-    """Of one number. A run that did not come to its end is not asked for numbers that it does not have."""
+    """Verdict on one measure. Missing values of unfinished runs fail, or are not judged after a time limit."""
     if status != "finished" and math.isnan(value):
         return "not-judged" if status == "timed-out" else "failed"
     if measure.met(value):
@@ -115,12 +115,12 @@ def verdict_of(
 
 
 def worst(verdicts: Sequence[Verdict]) -> Verdict:
-    """The worst of several verdicts; met where there is none."""
+    """The worst of several verdicts; met if there is none."""
     return min(verdicts, key=WORST.index, default="met")
 
 
 def _end(done: Mapping[str, Record]) -> tuple[str, str]:
-    """How the runs ended: as the first that did not finish."""
+    """Return status and reason of the first run that did not finish."""
     for name, record in done.items():
         if not record.finished:
             told = f"{name}: " if len(done) > 1 else ""
@@ -129,7 +129,7 @@ def _end(done: Mapping[str, Record]) -> tuple[str, str]:
 
 
 def _shown_to_have_no_limit(judged: Sequence[Judged]) -> str:
-    """The numbers of finished runs that show it, in words; empty where there are none, or where any number is off."""
+    """The numbers of finished runs that show it, in words; empty if there are none, or if any number is off."""
     if any(j.verdict != "met" for j in judged):
         return ""
     return "; ".join(f"{j.measure.name}: {j.value:.4g}" for j in judged if j.measure.role == "no-limit")
@@ -149,7 +149,7 @@ def allowed(measure: Measure) -> str:
     if measure.role == "reported":
         return "anything"
     if measure.least == -measure.most:
-        return f"up to {measure.most:.4g} either way"
+        return f"within +-{measure.most:.4g}"
     if not math.isfinite(measure.least):
         return f"<= {measure.most:.4g}"
     return (

@@ -34,11 +34,11 @@ COLUMNS: Mapping[str, tuple[str, ...]] = {
         *HEAD, "scene", "name", "algorithm", "slave", "level", "status", "reason", "cpu_s", "values_", "toml",
     ),
 }  # fmt: skip
-"""Of each table, in this order, then the checksum. Text unless `KINDS` says otherwise."""
+"""Columns of each table, in this order, then the checksum. Text unless `KINDS` says otherwise."""
 KINDS = {"work": "real", "cpu_s": "real", "level": "integer", "record": "blob"}
 _JSON = ("measures", "runs", "values_")
 _NAMES = {"runs": ("name",), "cells": CHOICES, "rows": ("scene", "name")}
-"""Columns that tell people which entry is meant."""
+"""Columns that identify an entry for people."""
 BROKEN = (sqlite3.Error, UnicodeDecodeError, OverflowError)
 """Ends of a request to a damaged file; its messages may be damaged, too."""
 _MOST = 100_000
@@ -387,7 +387,7 @@ def _inserted(file: sqlite3.Connection, table: str, values: Sequence[Any]) -> in
 
 
 def _named(table: str, values: Sequence[Any]) -> str:
-    """What a damaged entry is called, as far as that can be read."""
+    """Name of a damaged entry, as far as that can be read."""
     found = dict(zip(COLUMNS[table], values))  # noqa: B905
     return " ".join(filter(None, (_text(found[name]) for name in _NAMES[table])))
 

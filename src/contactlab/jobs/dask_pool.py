@@ -44,11 +44,11 @@ class DaskPool(Pool):
             self._token.touch()
 
     def submit(self, call: Call) -> Future[Any]:
-        """As a task of the cluster; files in `folder` come back with its result where a worker does not see it."""
+        """Submit a task to the cluster; files in `folder` come back with its result if a worker does not see it."""
         mine: Future[Any] = Future()
         key = f"contactlab-{self._name}-{len(self._calls)}"
         content = pickle.dumps((call.function, call.arguments))
-        self._calls[key] = mine, call.report  # before the task is there: a worker may report at once
+        self._calls[key] = mine, call.report  # before the task is there: a worker may report immediately
         task = self._client.submit(
             dask_worker.call, self._name, content, call.limit, call.folder, self._token, key=key, pure=False
         )  # fmt: skip
@@ -86,7 +86,7 @@ class DaskPool(Pool):
         self._client.run(dask_worker.stop, self._name, on_error="ignore")
 
     def kill(self) -> None:
-        """Drop what has not begun and end what runs at once."""
+        """Drop what has not begun and kill what runs."""
         self._client.run(dask_worker.kill, self._name, on_error="ignore")
 
     @property

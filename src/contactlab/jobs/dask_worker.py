@@ -1,7 +1,7 @@
-"""What runs in a worker of a dask cluster: each call goes to a process of its own, as on one machine.
+"""Worker side of a dask cluster: each call goes to a process of its own, as on one machine.
 
-A call that crashes or hangs then costs neither the worker nor the other calls. Where the worker does not see the folder
-that the call is to write, or is told to write elsewhere (`CONTACTLAB_SCRATCH`), the files come back with the answer.
+A call that crashes or hangs then costs neither the worker nor the other calls. If the worker does not see the folder
+that the call is to write, or has to write elsewhere (`CONTACTLAB_SCRATCH`), the files come back with the answer.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _busy: dict[str, list[Process]] = {}
 _stopped: set[str] = set()
 
 Answer = tuple[str, Any, bytes]
-"""How a call ended ("done", "raised", "died", "timed-out", "stopped"), what it gave, and its files."""
+"""End of a call ("done", "raised", "died", "timed-out", "stopped"), what it gave, and its files."""
 
 
 def call(pool: str, content: bytes, limit: float | None, folder: Path | None, token: Path | None) -> Answer:
@@ -82,18 +82,18 @@ def _serve(pool: str, function: Callable[..., Any], arguments: tuple[Any, ...], 
 
 
 def _started() -> Process:
-    """A process of this worker, which under a nanny is a daemon and may start none unless it is told otherwise."""
+    """A process of this worker, which under a nanny is a daemon and may start none unless the flag is changed."""
     current_process()._config["daemon"] = False  # type: ignore[attr-defined]
     return Process()
 
 
 def topic_of(pool: str) -> str:
-    """Where the calls of a pool report: that they have begun (None), and what they say themselves."""
+    """Topic on which the calls of a pool report: that they have begun (None), and their own messages."""
     return f"contactlab-{pool}"
 
 
 def stop(pool: str) -> None:
-    """Begin no further call of this pool, and tell those that run to stop in order."""
+    """Begin no further call of this pool, and stop running calls in order."""
     with _lock:
         _stopped.add(pool)
         for worker in _busy.get(pool, ()):
@@ -101,7 +101,7 @@ def stop(pool: str) -> None:
 
 
 def kill(pool: str) -> None:
-    """Begin no further call of this pool, and end those that run at once."""
+    """Begin no further call of this pool, and kill running calls."""
     with _lock:
         _stopped.add(pool)
         for worker in _busy.get(pool, ()):

@@ -57,7 +57,7 @@ class _Task:
 
 @dataclass(order=True)
 class _Waiting:
-    """A run in the queue, with those who asked for it."""
+    """A run in the queue, with the plans that requested it."""
 
     rank: tuple[float, ...]
     number: int
@@ -108,12 +108,12 @@ class Driver:
         if self.folder is not None:
             self._lock = _claimed(self.folder)
             if (self.folder / FILE).exists() and self.archive is not None and self.archive.damage:
-                told = f"{in_words(self.archive.damage)}; what is asked for of them is run again"
+                told = f"{in_words(self.archive.damage)}; damaged entries are run again when requested"
                 warnings.warn(f"{self.folder / FILE}: {told}", ContactlabWarning, stacklevel=2)
         if threading.current_thread() is threading.main_thread():
             for name in ("SIGINT", "SIGTERM", "SIGHUP"):
                 number = getattr(signal, name, None)
-                # a process that was told to ignore one (in the background, under nohup) goes on ignoring it
+                # a process that ignores one (in the background, under nohup) continues to ignore it
                 if number is not None and signal.getsignal(number) is not signal.SIG_IGN:
                     self._signals[number] = signal.signal(number, self._signalled)
         return self
@@ -211,7 +211,7 @@ class Driver:
         heapq.heappush(self._queue, waiting)
 
     def _known(self, run: Run) -> Record | None:
-        """What the archive holds of a run that would be made in the same way."""
+        """Return the archive's record of a run that would be made in the same way."""
         kept = self._archive
         if kept is None or self.folder is None:
             return None
@@ -226,7 +226,7 @@ class Driver:
         return None if record is None else replace(record, summary={**record.summary, "known": True})
 
     def _fill(self) -> None:
-        """Begin runs while processes are free, those of the lowest rank first."""
+        """Begin runs while processes are free, runs of the lowest rank first."""
         left: list[_Waiting] = []
         # what a cluster offers may change
         while self._queue and len(self._under_way) < (self._pool or self).size and not self.interrupted:
@@ -246,7 +246,7 @@ class Driver:
             heapq.heappush(self._queue, waiting)
 
     def _has_to_wait(self, run: Run) -> bool:
-        """Whether another run compiles: what several would compile side by side is compiled once."""
+        """Return whether another run compiles: kernels that several runs need are compiled once."""
         if run.composition in self._ready:
             return False
         if self._preparing:
@@ -332,7 +332,7 @@ class Driver:
         return record, content if record.status != "interrupted" else None
 
     def _over_time(self, run: Run, error: TimedOutError) -> Record:
-        """As far as a run came until it was told to stop; one that finished all the same has finished."""
+        """Return the record of a run stopped at its time limit; if it finished all the same, it has finished."""
         if not isinstance(error.result, bytes):
             return self._stored_all_the_same(run) or ended("timed-out", f"{error}; it did not answer and was killed")
         record = from_bytes(error.result)
@@ -354,7 +354,7 @@ class Driver:
     # --- stopping ----------------------------------------------------------------------------------
 
     def _look(self) -> None:
-        """Stop if that was asked for: in order the first time, at once the second time."""
+        """Stop on request: in order the first time, by killing processes the second time."""
         if self._asked_to_stop and not self.interrupted:
             self.interrupted = True
             if self._under_way:
@@ -362,7 +362,7 @@ class Driver:
                 shown = ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
                 runs = f"{len(names)} run{'s' * (len(names) > 1)}"
                 print(
-                    f"contactlab: stopping, once {runs} saved the state: {shown} (Ctrl-C again ends what runs at once)",
+                    f"contactlab: stopping when {runs} have saved the state: {shown} (Ctrl-C again kills them)",
                     file=sys.stderr,
                 )
             for waiting in self._queue:
@@ -371,7 +371,7 @@ class Driver:
             if self._pool is not None:
                 self._pool.stop()
         elif self._asked_to_stop > 1 and self._under_way and self._pool is not None:
-            print("contactlab: ending them at once; what was saved last is kept", file=sys.stderr, flush=True)
+            print("contactlab: killing the runs; their last saved states are kept", file=sys.stderr, flush=True)
             self._asked_to_stop = 1
             self._pool.kill()
 

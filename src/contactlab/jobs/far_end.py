@@ -1,7 +1,7 @@
 """Worker process: serves calls one after another; imports the standard library alone.
 
-A pipe beside the library's own queues carries reports to the caller, and the word to stop from it. Stopping reaches the
-call as Ctrl-C does, whatever the process was told about signals when it started: one in the background ignores Ctrl-C.
+A pipe in addition to the library's own queues carries reports to the caller, and the request to stop from it. Stopping
+reaches the call as Ctrl-C does, whatever signals the process ignores: in the background it ignores Ctrl-C.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What makes a run the same run: its scene, the files that it names, the sources it goes through, and the machine."""
+"""Identity of a run: its scene, the files that it names, the sources it goes through, and the machine."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def used(job: Job, scene: Scene) -> set[str]:
 
 
 def _packages(registry: Registry, parts: Iterable[tuple[str, str, str]]) -> set[str]:
-    """Where parts come from, as they are given by `part_specs`."""
+    """Packages of the parts listed by `part_specs`."""
     return {_package(registry, kind, name) for _, kind, name in parts}
 
 
@@ -65,7 +65,7 @@ def case_sources(name: str, registry: Registry) -> str:
 
 
 def sources(packages: Iterable[str]) -> list[str]:
-    """Hashes of the core's sources and of those of other packages."""
+    """Hashes of the core's sources and of other packages' sources."""
     return [_tree(CORE)] + [_hash_of_package(name) for name in sorted(set(packages) - {"contactlab"})]
 
 

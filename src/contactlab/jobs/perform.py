@@ -1,4 +1,4 @@
-"""One run of a plan, as it happens in a process of its own."""
+"""Execution of one run of a plan in a process of its own."""
 
 from __future__ import annotations
 
@@ -155,7 +155,7 @@ SHORTEST = 0.05
 
 
 class CpuLimitReached(Exception):
-    """What ran was stopped at its limit."""
+    """Raised in a run that reaches its limit of CPU time."""
 
 
 @contextmanager

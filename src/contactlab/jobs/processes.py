@@ -35,7 +35,7 @@ GRACE = 5.0
 """Seconds that a call may take to stop in order before its process is killed."""
 _THREAD_VARIABLES = ("OMP_NUM_THREADS", "NUMBA_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 _SAFE = {"PYTHONSAFEPATH": "1"}
-"""No module of the working folder is imported in place of one of Python's."""
+"""Prevents modules of the working folder from replacing Python's own."""
 _SINGLE = {"LOKY_MAX_MEMORY_LEAK_SIZE": "1e18"}
 """A process is not replaced because its runs need memory."""
 
@@ -109,7 +109,7 @@ class Pool(ABC):
 
     @abstractmethod
     def kill(self) -> None:
-        """Drop what has not begun and end what runs at once."""
+        """Drop what has not begun and kill what runs."""
 
     @abstractmethod
     def close(self) -> None:
@@ -133,7 +133,7 @@ class Pool(ABC):
 
 
 class Process:
-    """One process, which serves calls one after another."""
+    """Process that serves calls one after another."""
 
     def __init__(self) -> None:
         from loky.process_executor import ProcessPoolExecutor
@@ -148,7 +148,7 @@ class Process:
         self._executor = ProcessPoolExecutor(1, initializer=far_end.begin, initargs=(there, name), env=variables)
         with _environment(_SAFE):  # the process that tracks the resources of the others inherits it
             self._executor.submit(os.getpid)
-        there.close()  # the other end is open in the process alone: its death is heard at once
+        there.close()  # the other end is open in the process alone: its death is noticed immediately
 
     def call(self, call: Call) -> Any:
         """Run a call over there. Raises RaisedError, ProcessDiedError, TimedOutError or StoppedError."""
@@ -210,7 +210,7 @@ class Process:
             self._here.send(STOP)
 
     def kill(self) -> None:
-        """End the process and all that it has started, at once; one that is halted, too."""
+        """Kill the process and all that it has started, even if it is halted."""
         self.used_up = True
         if self._number and hasattr(os, "killpg"):
             with contextlib.suppress(ProcessLookupError, PermissionError):
@@ -219,7 +219,7 @@ class Process:
             self._executor.shutdown(wait=False, kill_workers=True)  # `close` could wait no longer
 
     def close(self) -> None:
-        """End the process, which serves no call: at once if it has stopped to listen."""
+        """End the process, which serves no call; kill it if it no longer listens."""
         with contextlib.suppress(OSError):
             self._here.close()
         self._executor.shutdown(wait=True, kill_workers=self.used_up)
@@ -239,10 +239,10 @@ class Process:
 def _how_it_ended(found: re.Match[str] | None) -> str:
     """Name the signal or exit status of a process."""
     if found is None:
-        return "the process ended before the run was over"
+        return "the process ended before the run"
     name, code = found[1], int(found[2])
     if code >= 0:
-        return f"the process left with exit status {code} before the run was over"
+        return f"the process exited with status {code} before the run ended"
     hint = ", perhaps because memory ran out" if name == "SIGKILL" else ""
     return f"the process was killed by {name if name != 'UNKNOWN' else f'signal {-code}'}{hint}"
 
@@ -310,7 +310,7 @@ class Processes(Pool):
         self._end(Process.stop)
 
     def kill(self) -> None:
-        """Drop what has not begun and end every process at once."""
+        """Drop what has not begun and kill every process."""
         self._end(Process.kill)
 
     def _end(self, how: Callable[[Process], None]) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class Progress:
-    """Shows nothing; those who show something override. `begun`, `advance` and `say` are called from any thread."""
+    """Progress that shows nothing; subclasses override. `begun`, `advance` and `say` are called from any thread."""
 
     def say(self, text: str) -> None:
         """Show what happens before the first step, such as compilation; an empty text takes it away."""

@@ -86,7 +86,7 @@ def _flat(record: Record) -> Iterator[tuple[str, Any]]:
 
 
 def from_bytes(data: bytes) -> Record:
-    """The record that `to_bytes` wrote. Raises ValueError where it is none."""
+    """The record that `to_bytes` wrote. Raises ValueError if `data` is not a record."""
     with np.load(io.BytesIO(data), allow_pickle=False) as file:
         arrays = {name: file[name] for name in file.files}
     head = json.loads(arrays.pop("record").tobytes())

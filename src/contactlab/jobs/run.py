@@ -23,16 +23,16 @@ def always() -> str:
 
 @dataclass(frozen=True)
 class Run:
-    """One run that a plan asks for.
+    """Run that a plan requests.
 
     name       shown while it runs, and kept in the archive
     place      its results folder below the folder of the command; "" for a run without files
     proof      a file in it without which the record of the archive does not serve
-    number     0, or that of a repetition, which is a run of its own
+    number     0, or the number of a repetition, which is a run of its own
     timed      its cost counts: all that it calls is loaded before, and a fixed piece of work is timed with it
     cpu_limit  CPU time after which it is stopped [s]
     rank       runs that are waiting begin in this order
-    unless     called when it could begin; a text is the reason why it does not: status "not-run"
+    unless     called when it could begin; a string is the reason why it does not: status "not-run"
     """
 
     job: Job
@@ -48,7 +48,7 @@ class Run:
 
     @cached_property
     def key(self) -> str:
-        """What makes it the same run: scene, files, sources, what is kept, repetition."""
+        """Identity of the run: scene, files, sources, what is kept, repetition."""
         return run_key(self.job, self.scene) + (f"-{self.number}" if self.number else "")
 
     @property
@@ -58,7 +58,7 @@ class Run:
 
     @property
     def limit_key(self) -> str:
-        """Where the archive remembers that the CPU time was not enough."""
+        """Key of the archive's record that the CPU time was not enough."""
         return f"{self.key}@{self.cpu_limit:g}"
 
     @cached_property

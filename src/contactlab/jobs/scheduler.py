@@ -1,4 +1,4 @@
-"""Where runs are made: processes of this machine, or a dask cluster."""
+"""Choice of the place of runs: processes of this machine, or a dask cluster."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ ALLOWED = "local, dask (a cluster on this machine) or tcp://HOST:PORT of a dask 
 
 
 def checked_scheduler(scheduler: str) -> str:
-    """Return the name of a scheduler. Raises RequestError if it is none, before anything is made."""
+    """Return the name of a scheduler. Raises RequestError for any other string, before anything is made."""
     if scheduler in (LOCAL, "dask") or scheduler.startswith(("tcp://", "tls://")):
         return scheduler
     raise RequestError("no such scheduler", where="scheduler", got=scheduler, allowed=ALLOWED)

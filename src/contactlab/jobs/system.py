@@ -1,4 +1,4 @@
-"""Facts about the machine and the libraries, kept in every row beside its CPU seconds."""
+"""Facts about the machine and the libraries, kept in every row with its CPU seconds."""
 
 from __future__ import annotations
 

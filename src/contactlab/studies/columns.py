@@ -1,4 +1,4 @@
-"""What a comparison tells about each run: names, titles, units and meaning of its columns."""
+"""Columns that a comparison reports for each run: names, titles, units and meaning."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Final
 
 @dataclass(frozen=True)
 class Column:
-    """One column of numbers of a table: its name, title, unit and meaning.
+    """Column of numbers of a table: its name, title, unit and meaning.
 
     name     as in `table.csv`
     title    heading of tables and plots
@@ -35,7 +35,7 @@ MEASURES: Final = (
         "Largest force of the driven support, else of the contact; at the end if only that is in equilibrium.",
         5,
     ),
-    Column("peak_force_time", "time of peak force", "time", "When the peak force acts.", 4),
+    Column("peak_force_time", "time of peak force", "time", "Time at which the peak force acts.", 4),
     Column("reaction_error", "reaction error", "share", "Reaction against the reference's, relative.", 2, "small"),
     Column(
         "reaction_against_pressure",
@@ -92,8 +92,7 @@ MEASURES: Final = (
         "oscillation",
         "oscillation O",
         "",
-        "Second differences of the nodal pressures over their sum, minus the same of the reference at the same "
-        "positions.",
+        "Second differences of the nodal pressures over their sum, minus the reference's at the same positions.",
         2,
         "small",
     ),
@@ -110,7 +109,7 @@ MEASURES: Final = (
         "mirror_asymmetry",
         "mirror asymmetry",
         "share",
-        "||p(x) - p(-x)|| / ||p|| where the scene says that it is symmetric.",
+        "||p(x) - p(-x)|| / ||p|| if the scene declares symmetry.",
         2,
         "small",
     ),
@@ -119,17 +118,17 @@ MEASURES: Final = (
         "peak_pressure",
         "peak pressure",
         "pressure",
-        "Largest nodal value of the multiplier on the way; of the end if only that is in equilibrium.",
+        "Largest nodal value of the multiplier over the loading; at the end if only that is in equilibrium.",
         4,
     ),
-    Column("peak_pressure_time", "time of peak pressure", "time", "When the peak pressure acts.", 4),
+    Column("peak_pressure_time", "time of peak pressure", "time", "Time at which the peak pressure acts.", 4),
     Column("max_pressure", "max pressure", "pressure", "Largest nodal value of the multiplier at the end.", 4),
     Column("max_penetration", "max penetration", "length", "Deepest node of either surface.", 2, "small"),
     Column("kinetic_share", "kinetic/internal", "", "Kinetic energy over the work of stresses at the end.", 2, "small"),
     Column("steps", "steps", "", "Accepted time or load steps.", 0),
     Column("sweeps", "sweeps per step", "", "Gauss-Seidel iterations of the contact solver per step, on average.", 3),
     Column("cpu_s", "CPU", "s", "CPU time of the steps, without compiling or loading kernels.", 3, "small"),
-    Column("wall_s", "wall", "s", "Wall time of the same.", 3),
+    Column("wall_s", "wall", "s", "Wall time of the steps, without compiling or loading kernels.", 3),
     Column("memory_mib", "memory", "MiB", "Largest memory of the process so far, earlier runs in it included.", 4),
 )
 

@@ -27,7 +27,7 @@ INSTANTS = 201  # of the loading, at which histories are compared
 
 @dataclass(frozen=True)
 class EffectCost:
-    """What one effect costs, and what it changes in the answer.
+    """Cost of one effect, and its change of the answer.
 
     declared   False: the scene leaves it out, and it was added to be measured
     step_s     what it costs in each step, CPU [s]; nan where the runs cannot be compared step by step
@@ -36,7 +36,7 @@ class EffectCost:
     reaction, pressure, energy  what leaving it out changes: of the force and of the internal energy over the
                whole loading (at its end, where the runs have no loading in common), and of the final pressure, L2
                norms relative to the run that has the effect
-    status     of the run without it (or with it, where it is not declared), and the reason where it did not finish
+    status     of the run without it (or with it, if it is not declared), and the reason if it did not finish
     """
 
     effect: str
@@ -59,7 +59,7 @@ class EffectCost:
 
 @dataclass(frozen=True)
 class CostBreakdown:
-    """Costs of effects in the order of the variants, beside what the scene costs as it is declared.
+    """Costs of effects in the order of the variants, with the cost of the scene as declared.
 
     step_s, run_s CPU time [s]; memory_mib of its arrays; status, reason of the run as declared
     """
@@ -84,7 +84,7 @@ class BreakdownPlan(Plan):
 def plan_breakdown(
     request: Scene | Study | str | Any, registry: Registry | None = None, changes: Mapping[str, Any] | None = None
 ) -> BreakdownPlan:
-    """What to run for the breakdown of a scene. Raises RequestError where nothing can be taken out or added."""
+    """Plan the runs for the breakdown of a scene. Raises RequestError if nothing can be taken out or added."""
     study, scene = find_scene(request, registry)
     scene = scene.with_(changes or {})
     found = variants(scene)
@@ -100,7 +100,7 @@ def plan_breakdown(
         jobs.append(_job(name, changed, variant.label))
     if not found:
         raise RequestError("the scene has no effect that could be taken out", where=scene.origin.file or scene.name)
-    own = Study(scene=study.scene, name=f"{scene.name}: what its effects cost", repeat=study.repeat)
+    own = Study(scene=study.scene, name=f"{scene.name}: costs of its effects", repeat=study.repeat)
     return BreakdownPlan(own, scene, 0, jobs, shown, refused)
 
 
@@ -154,7 +154,7 @@ def _implicit(record: Record) -> bool:
     return bool(record.summary.get("iterations"))
 
 
-# --- what changes in the answer ----------------------------------------------------------------------
+# --- changes of the answer ----------------------------------------------------------------------
 
 
 def _energy(rich: Record, poor: Record) -> float:
@@ -164,7 +164,7 @@ def _energy(rich: Record, poor: Record) -> float:
 def _change_of(rich: Record, poor: Record, columns: Sequence[str]) -> float:
     """Change of columns of the history over the loading.
 
-    Of its end alone, where one of the runs is right only there, or takes load steps where the other sets out gently.
+    Only at the end if one of the runs is right only there, or if one takes load steps and the other starts gently.
     """
     whole = _implicit(rich) == _implicit(poor) and not any(
         one.summary.get("history", {}).get("curve") == THE_END_ONLY for one in (rich, poor)
@@ -174,7 +174,7 @@ def _change_of(rich: Record, poor: Record, columns: Sequence[str]) -> float:
 
 
 def _course(record: Record, column: str) -> Floats:
-    """A column of the history over the loading, from 0 to its end; zero where there is none."""
+    """A column of the history over the loading, from 0 to its end; zero if it does not exist."""
     if column not in record.history:
         return np.zeros(INSTANTS)
     time, values = (np.asarray(record.history[name]) for name in ("time", column))
@@ -183,12 +183,12 @@ def _course(record: Record, column: str) -> Floats:
 
 
 def _end(record: Record, column: str) -> Floats:
-    """The last entry of a column (1,), zero where there is none."""
+    """The last entry of a column (1,), zero if it does not exist."""
     return np.asarray(record.history.get(column, np.zeros(1)))[-1:]
 
 
 def _change(rich: Sequence[Floats], poor: Sequence[Floats]) -> float:
-    """L2 norm of the difference over that of the richer run; nan where that is zero."""
+    """L2 norm of the difference over the L2 norm of the richer run; NaN if that is zero."""
     if not rich:
         return math.nan
     whole, difference = np.stack(rich), np.stack(rich) - np.stack(poor)
@@ -197,7 +197,7 @@ def _change(rich: Sequence[Floats], poor: Sequence[Floats]) -> float:
 
 
 def _pressure(rich: Record, poor: Record) -> float:
-    """Change of the final pressure of the first contact; the whole of it where the other run has no contact."""
+    """Change of the final pressure of the first contact; 1 if the other run has no contact."""
     try:
         profiles = [Profile.of_curve(r.curve()) if r.curves.get("contacts.0") else None for r in (rich, poor)]
     except FoldedSurfaceError:

@@ -1,4 +1,4 @@
-"""Which reference a run is measured against: one that a study names, else the first installed one that fits."""
+"""Choice of the reference of a run: the one that a study names, else the first installed one that fits."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from contactlab.studies.reference import Reference, load_reference
 
 
 class Source(Protocol):
-    """What has a solution for some scenes: the file of a reference, or a part of kind reference."""
+    """Source of solutions for some scenes: the file of a reference, or a part of kind reference."""
 
     @property
     def name(self) -> str:
-        """As studies and tables name it."""
+        """Name in studies and tables."""
         ...
 
     def mismatch(self, scene: Mapping[str, Any]) -> str:
-        """Why it says nothing about a scene; empty where it holds."""
+        """Return why it does not hold for a scene; empty if it holds."""
         ...
 
     def at(self, scene: Mapping[str, Any]) -> Reference:
@@ -41,7 +41,7 @@ class PartSource:
     part: ReferenceSolution
 
     def mismatch(self, scene: Mapping[str, Any]) -> str:
-        """What the part says; a part that raises holds for nothing."""
+        """Return the part's own reason; a part that raises holds for no scene."""
         try:
             return str(self.part.mismatch(scene))
         except Exception as error:
@@ -54,12 +54,12 @@ class PartSource:
             x, pressure = np.asarray(found.x, float), np.asarray(found.pressure, float)
             if x.ndim != 1 or x.shape != pressure.shape or len(x) < 2:
                 raise ValueError(
-                    f"x and pressure have the shapes {x.shape} and {pressure.shape}; one of at least 2 is needed"
+                    f"x and pressure have the shapes {x.shape} and {pressure.shape}, needed: both (n,), n >= 2"
                 )
             if np.any(np.diff(x) <= 0.0) or not np.all(np.isfinite(pressure)):
                 raise ValueError("x must increase and pressures must be finite")
         except Exception as error:
-            text = f"the reference {self.name} has no solution that can be compared with: {one_line(error)}"
+            text = f"the reference {self.name} has no usable solution: {one_line(error)}"
             raise PartError(text, where=f"reference {self.name}") from error
         spread = np.zeros(len(found.x)) if found.spread is None else np.asarray(found.spread, float)
         return Reference(
@@ -76,7 +76,7 @@ class PartSource:
 
 
 def find_reference(name: str, registry: Registry, beside: Path | None = None, where: Where = "reference") -> Source:
-    """An installed reference by its name, or the path of a JSON file. Raises RequestError where there is none."""
+    """An installed reference by its name, or the path of a JSON file. Raises RequestError if there is none."""
     if name in registry.names("reference"):
         return PartSource(name, registry.make("reference", name, where))
     return load_reference(name, beside=beside, where=where, known=registry.names("reference"))

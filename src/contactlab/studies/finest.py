@@ -23,7 +23,7 @@ from contactlab.studies.study import FINEST
 from contactlab.studies.table import Row, Table
 
 ALGORITHMS = 2
-"""How many algorithms a reference is the mean of: those that change least from one level to the next."""
+"""Number of algorithms in the mean of a reference: the algorithms that change least between levels."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Finest:
     name: str = FINEST
 
     def mismatch(self, scene: Mapping[str, Any]) -> str:
-        """Why there is no reference of this scene; empty where there is one."""
+        """Return why there is no reference of this scene; empty if there is one."""
         place = answer_key(scene)
         return "" if place in self.found else self.why.get(place, "no finer run of this scene was made")
 
@@ -80,7 +80,7 @@ def _answer_plan(scene: Scene, contact: int, folder: Path) -> Generator[Sequence
     kept = steadiest(table, levels)
     if not kept:
         ends = "; ".join(f"{row.algorithm}: {row.status}" for row in table.rows if row.level == levels[-1])
-        return f"no run at level {levels[-1]} has a pressure at its end ({ends}), so that there is no finest one"
+        return f"no run at level {levels[-1]} has a pressure at its end ({ends}), so there is no finest run"
     chosen = replace(table, rows=kept, study=replace(table.study, name=f"{scene.name}, from finer meshes"))
     origin = f"Runs at levels {levels[0]} and {levels[1]}: {', '.join(dict.fromkeys(row.algorithm for row in kept))}."
     return load_reference(str(reference_files(FINEST, chosen, levels, mean_curve(chosen, levels), folder, origin)))

@@ -43,7 +43,7 @@ def row_of(plan: Plan, job: Combination, record: Record, named: Source | None) -
     if curve is not None and final is None:
         notes.append(
             f"{job.algorithm}, slave {job.slave}, level {job.scene.level}: stopped before the load was complete; "
-            "its pressure is shown and not compared"
+            "its pressure is shown, but not compared"
         )
     if final is not None:
         measures, said = with_installed(measures, record, plan.contact, reference, job.scene.registry)
@@ -75,7 +75,7 @@ def row_of(plan: Plan, job: Combination, record: Record, named: Source | None) -
 def fitting_reference(
     scene: Mapping[str, Any], named: Source | None, registry: Registry | None = None
 ) -> tuple[Reference | None, str]:
-    """The study's reference where it holds, else an installed one that does; and why there is none."""
+    """Return the study's reference if it holds, else an installed one that does; and why there is none."""
     if named is not None and not named.mismatch(scene):
         return named.at(scene), ""
     found = matching_reference(scene, registry)

@@ -14,12 +14,12 @@ from contactlab.studies.reference import Reference
 
 
 def column_name(part: str) -> str:
-    """Of a measure in `table.csv` and in studies: "contact_length" for the part contact-length."""
+    """Name of a measure in `table.csv` and in studies: "contact_length" for the part contact-length."""
     return part.replace("-", "_")
 
 
 def measure_columns(registry: Registry) -> tuple[Column, ...]:
-    """One column per installed measure. Raises PartError for one that has the name of a column of every table."""
+    """Return a column per installed measure. Raises PartError if every table has a column of its name."""
     return tuple(_column(name, registry.part_class("measure", name)) for name in registry.names("measure"))
 
 
@@ -38,7 +38,7 @@ def known_measures(registry: Registry) -> Sequence[str]:
 def with_installed(
     measures: Mapping[str, float], record: Record, contact: int, reference: Reference | None, registry: Registry
 ) -> tuple[dict[str, float], list[str]]:
-    """The measures of a run and those that installed parts find in it, and notes on parts that raised."""
+    """The measures of a run, with the measures of installed parts, and notes on parts that raised."""
     found, notes = dict(measures), []
     solution = None if reference is None else _solution(reference)
     for name in registry.names("measure"):
@@ -52,7 +52,7 @@ def with_installed(
 
 
 def _solution(reference: Reference) -> Solution:
-    """What the reference of a comparison holds, as measures see it."""
+    """Return the reference of a comparison in the form that measures get."""
     scalars = {
         name: Scalar(float(s["value"]), float(s.get("error", 0.0)), str(s.get("meaning", "")))
         for name, s in reference.scalars.items()

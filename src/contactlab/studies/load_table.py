@@ -33,7 +33,7 @@ T = TypeVar("T")
 def load_table(folder: str | Path) -> Table:
     """The table of the comparison in `folder`, equal to what `compare` gave back.
 
-    Curves and bodies are those of the run folders that were kept. Raises RequestError if there is no comparison.
+    Curves and bodies come from the run folders that were kept. Raises RequestError if there is no comparison.
     """
     folder = Path(folder)
     path = folder / "table.json"
@@ -89,7 +89,7 @@ def _row(data: Mapping[str, Any], contact: str, folder: Path) -> Row:
 
 
 def _or_nothing(read: Callable[[], T]) -> T | None:
-    """What is read; None if the files were not kept or are damaged."""
+    """Return the result of `read`; None if the files were not kept or are damaged."""
     try:
         return read()
     except (RequestError, OSError, KeyError, ValueError):

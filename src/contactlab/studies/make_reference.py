@@ -38,7 +38,7 @@ from contactlab.studies.root_edges import with_root_edges
 from contactlab.studies.table import Row, Table
 
 _POINTS_PER_SEGMENT = 4  # of the stored curve, so that storing adds nothing to the error
-_ROOT = 4  # segments beside the ends of a run in which its own points are stored, too: dense where a root ends
+_ROOT = 4  # segments next to the ends of a run in which its own points are stored, too: dense where a root ends
 _DIGITS = 7  # of what is stored
 
 
@@ -70,7 +70,7 @@ def make_reference(recipe: str | Path, out: str | Path, jobs: int | None = None)
     levels = sorted({row.level for row in table.rows})
     if len(levels) < 2:
         raise RequestError(
-            "one level says nothing about its error", where=str(path), got=levels, allowed="level = [COARSE, FINE]"
+            "one level gives no error estimate", where=str(path), got=levels, allowed="level = [COARSE, FINE]"
         )
     name = path.name.partition(".")[0]
     return reference_files(name, table, levels, mean_curve(table, levels), Path(out))
@@ -98,7 +98,7 @@ def _scene_of(recipe: Path) -> Mapping[str, Any]:
     if differing:
         raise RequestError(
             "its runs have different answers", where=str(recipe), got=f"several values of {', '.join(differing)}",
-            allowed="one of each: levels, algorithms, slaves and integrators may vary",
+            allowed="one value of each; only levels, algorithms, slaves and integrators may vary",
         )  # fmt: skip
     return scenes[0]
 
@@ -118,7 +118,7 @@ def mean_curve(table: Table, levels: Sequence[int]) -> tuple[Curve, float]:
     fine = [profile for run in runs for profile in run]
     segment = min(float(np.diff(Profile.of_curve(curve).x).min()) for curve in _curves(table.rows, levels[-1]))
     x = _grid(fine, segment)
-    # the multiplier ripples a little beyond an edge of contact that is no root; the pressure there is none
+    # the multiplier ripples a little beyond an edge of contact that is no root; the pressure there is zero
     mean = np.where(_pressed(table.rows, levels[-1], mirrored, x), np.maximum(_mean(fine, x), 0.0), 0.0)
     spread = np.max([np.abs(p(x) - mean) for p in fine], axis=0)
     coarser = [
@@ -143,13 +143,13 @@ def _left_out(runs: Sequence[Sequence[Profile]], x: Floats) -> list[float]:
 
 
 def _profiles(rows: Sequence[Row], level: int, mirrored: bool) -> list[tuple[Profile, ...]]:
-    """The pressure of each run at a level, and in a symmetric scene its mirror image beside it."""
+    """The pressure of each run at a level, and in a symmetric scene its mirror image next to it."""
     found = [with_root_edges(Profile.of_curve(curve)) for curve in _curves(rows, level)]
     return [(p, p.mirrored()) if mirrored else (p,) for p in found]
 
 
 def _pressed(rows: Sequence[Row], level: int, mirrored: bool, x: Floats) -> np.ndarray:
-    """Whether any run has contact there (m,): up to its root, or where its nodal pressure is positive."""
+    """Mask of points (m,) where any run has contact: up to its root, or where its nodal pressure is positive."""
     found = np.zeros(len(x), bool)
     for curve in _curves(rows, level):
         raw, nodal = Profile.of_curve(curve), Profile.of_curve(curve, "nodal_pressure")
@@ -169,7 +169,7 @@ def _mean(profiles: Sequence[Profile], x: Floats) -> Floats:
 
 
 def _grid(profiles: Sequence[Profile], segment: float) -> Floats:
-    """Even points over the part where any profile is not zero, finer than a segment, and those at its ends."""
+    """Even points where any profile is not zero, finer than a segment, and the profiles' points at the ends."""
     pressed = [p.x[np.flatnonzero(p.value)] for p in profiles]
     left, right = min(x[0] for x in pressed), max(x[-1] for x in pressed)
     count = 2 * int(np.ceil(0.5 * (right - left) / segment * _POINTS_PER_SEGMENT)) + 1
@@ -223,7 +223,7 @@ def common_limit(runs: Sequence[Mapping[int, float]]) -> tuple[float, float]:
 
 
 def _left_by_first_order(run: Mapping[int, float]) -> float:
-    """Of the change before the last, which a chance may have made small; 0 of two levels."""
+    """Error that first order leaves of the last change but one, as the last may be small by chance; else 0."""
     levels = sorted(run)
     if len(levels) < 3:
         return 0.0
@@ -299,7 +299,7 @@ def _without(table: Mapping[str, Any], *names: str) -> dict[str, Any]:
 
 
 def _end(value: Any) -> Any:
-    """Where a ramp ends; the loading path makes no difference to a quasi-static answer."""
+    """Return the end value of a ramp; the loading path makes no difference to a quasi-static answer."""
     return {"to": value["to"]} if isinstance(value, Mapping) else value
 
 

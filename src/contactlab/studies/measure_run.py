@@ -25,7 +25,7 @@ def measure_run(
     curve: ContactCurve | None,
     reference: Reference | None,
 ) -> tuple[Measures, list[str]]:
-    """All measures of one run that need no other run, and notes on those that are missing.
+    """All measures of one run that need no other run, and notes on missing measures.
 
     scene    TOML data with defaults written out
     summary  content of `summary.json`; may be empty when the process died

@@ -1,7 +1,7 @@
-"""How accurate a contact pressure is: errors, asymmetries, oscillation, edges.
+"""Measures of the accuracy of a contact pressure: errors, asymmetries, oscillation, edges.
 
 All of them compare linear interpolants over the deformed x, for P0 and P1 multipliers alike.
-Every measure is `nan` where it has no meaning (no pressure at all, no edge).
+Every measure is NaN if it has no meaning (no pressure at all, no edge).
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def second_differences(values: Floats) -> float:
 
 
 def oscillation(profile: Profile, reference: Profile) -> float:
-    """O: second differences of the nodal pressures beyond those of the reference at the same nodes."""
+    """O: second differences of the nodal pressures, less the reference's at the same nodes."""
     return second_differences(profile.value) - second_differences(reference(profile.x))
 
 
@@ -64,7 +64,7 @@ def turning_points(values: Floats) -> int:
 
 
 def excess_turning_points(profile: Profile, reference: Profile) -> int:
-    """Turning points of the nodal pressures beyond those of the reference at the same nodes."""
+    """Turning points of the nodal pressures, less the reference's at the same nodes."""
     return turning_points(profile.value) - turning_points(reference(profile.x))
 
 

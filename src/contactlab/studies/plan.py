@@ -1,4 +1,4 @@
-"""From what was asked for to the list of runs."""
+"""Plan of a comparison: the list of runs of a request."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ from contactlab.studies.vary import without_star
 
 Vary = Mapping[str, Sequence[Any]]
 
-LONGEST = 60  # characters of a run's name for what varies beside algorithm, slave and level
+LONGEST = 60  # characters of a run's name for what varies in addition to algorithm, slave and level
 RECORD = 3.0  # MB of the contact record of a run: there are many of them, and some hundred steps show a difference
 
 
 @dataclass(frozen=True)
 class Combination:
-    """One combination of the varied values, and its run.
+    """Combination of the varied values, and its run.
 
     name      of its folder
     scene     with the varied values set
-    varied    scene keys and values that tell it from the others
-    choices   those of them that neither algorithm nor slave nor level shows
+    varied    scene keys and values that distinguish it from the others
+    choices   `varied` without algorithm, slave and level
     partner   the values without the swap of slave and master: two that share it are a pair
     refines   True when it is only there for the plot of error against cost
     """
@@ -67,10 +67,10 @@ def make_plan(
     registry: Registry | None = None,
     changes: Mapping[str, Any] | None = None,
 ) -> Plan:
-    """What to run for a scene, a study, the name of either, or a file of either.
+    """Plan the runs for a scene, a study, the name of either, or a file of either.
 
     With `vary` the study's own lists and levels are replaced; `changes` sets keys of the common scene
-    and stops a study from varying them. Where nothing is varied, a scene is run with every
+    and stops a study from varying them. If nothing is varied, a scene is run with every
     installed contact algorithm and both choices of slave. Raises RequestError.
     """
     registry = registry or default_registry()
@@ -82,7 +82,7 @@ def make_plan(
     for key in changes if vary else ():
         if key in study.vary:
             raise RequestError(
-                "this key is set and varied at once", where=key, got=changes[key],
+                "this key is both set and varied", where=key, got=changes[key],
                 hint=f"leave out --set {key}, or write its values as {key} = [...] in --vary alone",
             )  # fmt: skip
     contact = _contact_number(scene, study.contact)
@@ -95,7 +95,7 @@ def make_plan(
 def find_scene(
     request: Scene | Study | str | Path, registry: Registry | None = None, changes: Mapping[str, Any] | None = None
 ) -> tuple[Study, Scene]:
-    """The study that is asked for, and its scene with the changes. Raises RequestError."""
+    """Return the requested study, and its scene with the changes. Raises RequestError."""
     registry = registry or default_registry()
     if isinstance(request, Scene):
         return Study(scene=request.name, name=request.name), request.with_(changes)
@@ -153,7 +153,7 @@ def _jobs(study: Study, scene: Scene, contact: int) -> list[Combination]:
 
 
 def compared_scene(scene: Scene) -> Scene:
-    """The scene of one run among others, with what it keeps of each step written out: a run by itself goes on as it."""
+    """The scene of one run among others, with `record.budget` written out, so that a single run can resume it."""
     return scene if scene.record.budget is not None else scene.with_({"record.budget": RECORD})
 
 

@@ -1,4 +1,4 @@
-"""What recorders make of a comparison: its runs by what tells them apart."""
+"""Recordings of a comparison: its runs, titled by their differences."""
 
 from __future__ import annotations
 
@@ -84,12 +84,12 @@ def _algorithms_of(place: Path) -> str:
 
 
 def is_comparison(folder: Path) -> bool:
-    """Whether runs are in a folder of their own below it; else they are side by side in the folder itself."""
+    """Return whether runs are in a folder of their own below it; else they are side by side in the folder itself."""
     return (folder / RUNS).is_dir()
 
 
 def left_out(folder: Path) -> str:
-    """What to say where a comparison has more runs than are shown; nothing where it has not."""
+    """Return a note if a comparison has more runs than are shown, else an empty string."""
     shown, there = len(main_runs_of(folder)), len(_places(folder))
     if shown == there:
         return ""
@@ -98,7 +98,7 @@ def left_out(folder: Path) -> str:
 
 
 def checked_names(folder: Path, asked: Sequence[str]) -> list[str]:
-    """The names of runs that are `asked` for. Raises RequestError where the comparison has none of a name."""
+    """Return the requested names of runs. Raises RequestError if the comparison has no run of a name."""
     names = [place.name for place in _places(folder)]
     for name in asked:
         if name not in names:
@@ -116,7 +116,7 @@ def _places(folder: Path) -> list[Path]:
 
 
 def runs_of(folder: Path, names: Iterable[str] | None = None) -> dict[str, Results]:
-    """The runs of a comparison that left results, by the names of their folders; all of them, or those of `names`."""
+    """The runs of a comparison that left results, by the names of their folders; all, or the runs in `names`."""
     found = {}
     for place in _places(folder):
         if names is None or place.name in names:
@@ -140,7 +140,7 @@ def titled_runs(runs: Mapping[str, Results]) -> dict[str, Results]:
 
 
 def _differs(key: str, scenes: Iterable[Mapping[str, Any]]) -> bool:
-    """Whether runs differ in a key. A field of an algorithm counts among runs of algorithms that have it."""
+    """Return whether runs differ in a key. A field of an algorithm counts among runs of algorithms that have it."""
     own = ".algorithm." in key and not key.endswith(".use")
     return len({str(scene.get(key)) for scene in scenes if key in scene or not own}) > 1
 

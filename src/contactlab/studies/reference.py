@@ -1,6 +1,6 @@
 """Reference solutions: a pressure with its error estimate, its scalars, its origin, and the scenes it holds for.
 
-A reference is a JSON file beside the CSV of its curve, in `data/references/` or anywhere else:
+A reference is a JSON file next to the CSV of its curve, in `data/references/` or anywhere else:
 
     name, title, origin   what it is and where it comes from
     curve, columns        the CSV file and its columns for x, pressure and spread
@@ -70,7 +70,7 @@ class Reference:
 
     @cached_property
     def pressed_range(self) -> Window:
-        """Where the pressure is not zero [mm]."""
+        """Range of x with a pressure above zero [mm]."""
         pressed = self.profile.x[self.profile.value > 0.0]
         return float(pressed[0]), float(pressed[-1])
 
@@ -85,7 +85,7 @@ class Reference:
             if not _agree(found, wanted):
                 return f"{key} is {_shown(found)}, {_shown(wanted)} in the reference"
         if self.level is not None and scene.get("level", 1) >= self.level:
-            return f"it is made of runs at level {self.level}, and tells nothing of others on meshes as fine as that"
+            return f"it is made of runs at level {self.level}, allowed: scenes at lower levels"
         return ""
 
 
@@ -124,7 +124,7 @@ def load_reference(
 ) -> Reference:
     """A reference by bundled name, or by the path of its JSON file (relative to `beside`).
 
-    Raises RequestError when there is none, telling names that are `known` besides, or the file is not a reference.
+    Raises RequestError when there is none, with the `known` names added, or the file is not a reference.
     """
     path = bundled().get(name) or (beside or Path()) / name
     known = sorted({*known, *bundled()})
@@ -154,7 +154,7 @@ def _bare(path: Path) -> Reference:
     except (OSError, ValueError, LookupError, TypeError) as error:
         raise RequestError(
             "the reference cannot be read", where=str(path), got=f"{type(error).__name__}: {error}",
-            allowed="a CSV file whose first line names columns x and p, with x increasing; spread where there is one",
+            allowed="a CSV file whose first line names columns x and p, and perhaps spread, with x increasing",
         ) from error  # fmt: skip
     known = norm(Profile(profile.x, spread)) / norm(profile)
     meaning = "the spread in the file" if columns["spread"] else "taken as exact: the file has no spread"
@@ -168,7 +168,7 @@ def _lines(path: Path) -> list[str]:
 
 
 def _heading(names: Sequence[str], word: str) -> str:
-    """The column whose heading begins with a word; empty where there is none."""
+    """The column whose heading begins with a word; empty if there is none."""
     plain = {name: name.strip().lower().replace("pressure", "p") for name in names}
     fitting = [
         name for name, text in plain.items() if text == word or text.startswith((f"{word}_", f"{word} ", f"{word}["))
@@ -205,7 +205,7 @@ def _read(path: Path) -> Reference:
 def _read_curve(path: Path, columns: Mapping[str, str], mirror: bool) -> tuple[Profile, Floats]:
     rows = list(csv.DictReader(_lines(path)))
     if len(rows) < 2:
-        raise ValueError(f"{path.name}: {len(rows)} rows, and a curve has two at least")
+        raise ValueError(f"{path.name}: {len(rows)} rows, needed: at least two")
     x, pressure = (np.array([float(row[columns[c]]) for row in rows]) for c in ("x", "pressure"))
     named = columns.get("spread")
     spread = np.array([float(row[named]) for row in rows]) if named else np.zeros(len(x))

@@ -68,7 +68,7 @@ TABLE: dict[str, Callable[[Scene], dict[str, Any]]] = {
     "loads that follow": _following,
     "recording": _recording,
 }
-"""Name of an effect, and what takes it out; nothing where a scene does not have it."""
+"""Name of an effect, and the changes that take it out; empty if a scene does not have it."""
 
 
 # --- effects that are parts, and effects that parts have ---------------------------------------------
@@ -81,7 +81,7 @@ def _of_effects(scene: Scene) -> Iterator[Variant]:
 
 
 def _of_parts(scene: Scene) -> Iterator[Variant]:
-    """One variant for each effect that parts of the scene have, or leave out, by their own account."""
+    """Yield a variant for each effect that parts of the scene declare, or declare as left out."""
     places = [("integrator", "integrator", scene.integrator)] if not is_auto(scene) else []
     places += [("material", f"materials.{name}", spec) for name, spec in scene.materials.items()]
     places += [("element", f"bodies.{name}.element", body.element) for name, body in scene.bodies.items()]
@@ -99,7 +99,7 @@ def _of_parts(scene: Scene) -> Iterator[Variant]:
 
 
 def _like(scene: Scene, kind: str, spec: Mapping[str, Any], name: str) -> dict[str, Any] | None:
-    """The part `name` with the constants that both have; None where it is not installed or needs others."""
+    """The part `name` with the constants that both have; None if it is not installed or needs others."""
     try:
         fields = keys_of(scene.registry.part_class(kind, name))
         made = {"use": name} | {field: value for field, value in spec.items() if field in fields}

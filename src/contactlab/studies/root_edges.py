@@ -1,7 +1,7 @@
 """Edges of contact where the pressure ends as a square root, which no mesh follows there.
 
 Between smooth surfaces p(x) ~ (a - x)^(1/2) at an edge a (Johnson 1985, Contact Mechanics, 5.1), so that p^2 is smooth
-up to the edge. Multipliers are off by a few segments beside it, depending on where a falls in its segment. Their force
+up to the edge. Multipliers are off in a few segments next to it, depending on where a falls in its segment. Their force
 is right all the same, and so are they a little further in. There p^2 = b1 (a - x) + b2 (a - x)^2 is fitted, with the
 edge a that leaves the force as it is.
 """
@@ -14,7 +14,7 @@ from contactlab.api.arrays import Floats
 from contactlab.studies.profile import Profile
 
 LEFT_OUT = 2
-"""Nodes beside an edge that are replaced."""
+"""Nodes next to an edge that are replaced."""
 FITTED = 6
 """Nodes before these that p^2 is fitted to."""
 CLOSE = 0.025
@@ -50,7 +50,7 @@ def _right_edges(profile: Profile) -> Profile:
 
 
 def _contacts(p: Floats) -> list[tuple[int, int]]:
-    """First and last node of each part with a pressure that counts beside the largest."""
+    """First and last node of each part whose pressure is not small against the largest."""
     if len(p) == 0:
         return []
     steps = np.flatnonzero(np.diff(np.r_[0, p > 0.0, 0]))
@@ -59,7 +59,7 @@ def _contacts(p: Floats) -> list[tuple[int, int]]:
 
 
 def _right_edge(x: Floats, p: Floats, first: int, last: int, after: int) -> Profile | None:
-    """What ends the contact of the nodes from `first` to `last`, whose force reaches to the node before `after`."""
+    """Root that ends the contact of nodes `first` to `last`, whose force reaches to the node before `after`."""
     peak = first + int(np.argmax(p[first : last + 1]))
     fitted = last - LEFT_OUT - FITTED + 1
     if fitted < max(0, peak - FITTED) or last + 1 >= after:

@@ -48,7 +48,7 @@ def planned(
         raise RequestError("no time to run in", where="time_limit", got=time_limit, allowed="seconds, above 0")
     if effects and vary:
         raise RequestError(
-            "effects are taken out of one scene, nothing else is varied beside", where="vary", got=", ".join(vary),
+            "effects are taken out of one scene, and no keys are varied", where="vary", got=", ".join(vary),
             hint="set keys of the scene instead, or compare without effects",
         )  # fmt: skip
     plan = plan_breakdown(request, registry, changes) if effects else make_plan(request, vary, registry, changes)
@@ -126,7 +126,7 @@ def _named_reference(study: Study, registry: Registry) -> Source | None:
 
 
 def _check_runs(plan: Plan, folder: Path) -> None:
-    """All runs that are there must be asked for: a comparison continues as it began."""
+    """Require that all existing runs are requested: a comparison continues as it began."""
     names = {one.name for one in plan.jobs}
     others = sorted(place.name for place in (folder / RUNS).glob("*") if place.name not in names)
     if others:

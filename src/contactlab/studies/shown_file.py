@@ -17,13 +17,13 @@ from contactlab.scene.toml_text import parse_toml
 from contactlab.studies.recordings import checked_names, is_comparison, main_runs_of, runs_of, titled_runs
 
 CHOSEN = "chosen"
-"""Folder of the recording of runs that were asked for by name, beside that of the comparison."""
+"""Folder of the recording of runs requested by name, next to the comparison's recording."""
 SO_FAR = "so-far-"
-"""Begins the name of the recording of a run that is not over, or of several: it is made anew each time."""
+"""Prefix of the recording's name for a run that has not ended, or for several runs: it is made again each time."""
 
 
 def showing_recorder(registry: Registry) -> Recorder | None:
-    """The first installed recorder whose recordings can be looked at; None where there is none."""
+    """The first installed recorder whose recordings can be looked at; None if there is none."""
     for name in registry.names("recorder"):
         if registry.part_class("recorder", name).shown_file:
             recorder: Recorder = registry.make("recorder", name)
@@ -32,7 +32,7 @@ def showing_recorder(registry: Registry) -> Recorder | None:
 
 
 def can_be_shown(folder: Path, registry: Registry) -> bool:
-    """Whether the folder of a run or comparison has a recording, or what one is made from."""
+    """Return whether the folder of a run or comparison has a recording, or data to make one."""
     recorder = showing_recorder(registry)
     if recorder is None:
         return False
@@ -52,10 +52,10 @@ def as_asked(recorder: Recorder, run: Results) -> Recorder:
 
 
 def recording_in(folder: Path, recorder: Recorder, names: Sequence[str] = ()) -> Path:
-    """The recording of the run or comparison in `folder`; it is made from the results where it is not there.
+    """The recording of the run or comparison in `folder`; if there is none, it is made from the results.
 
-    With `names` of runs of a comparison one of these alone, in a folder of its own; so is that of runs side by side in
-    a folder that is no comparison's. Runs that were killed or are still going on are shown as far as they came.
+    With `names` of runs of a comparison it has these alone, in a folder of its own; so has a recording of runs side by
+    side in a folder without a comparison. Runs that were killed or are still running are shown as far as they came.
     """
     if not folder.is_dir():
         raise RequestError(
@@ -74,7 +74,7 @@ def recording_in(folder: Path, recorder: Recorder, names: Sequence[str] = ()) ->
         raise RequestError(
             "the folder holds no results", where=str(folder), allowed="the folder of a run, of runs or of a comparison"
         )
-    if names or not is_comparison(folder):  # more runs may come to it: what is shown is made anew each time
+    if names or not is_comparison(folder):  # more runs may come to it: the recording is made again each time
         file = folder / CHOSEN / recorder.shown_file
         file.parent.mkdir(exist_ok=True)
     as_asked(recorder, next(iter(runs.values()))).compared(file.parent, runs)
@@ -90,5 +90,5 @@ def recording_of(run: Results, folder: Path, recorder: Recorder) -> Path:
 
 
 def _so_far(file: Path) -> Path:
-    """The file under the name of one that is soon out of date; where there were no frames, there is none."""
+    """Return the file, renamed as soon out of date; without frames there is no file."""
     return file.replace(file.with_name(SO_FAR + file.name)) if file.is_file() else file

@@ -21,13 +21,13 @@ class StoredReference(ReferenceSolution):
     name: ClassVar[str]
 
     def __init_subclass__(cls) -> None:
-        """Title and origin are those of the file."""
+        """Take title and origin from the file."""
         content = json.loads((FOLDER / f"{cls.name}.json").read_text(encoding="utf-8"))
         cls.title, cls.origin = str(content["title"]), str(content["origin"])
 
     @property
     def stored(self) -> Reference:
-        """What the files hold."""
+        """Return the content of the files."""
         return _read(self.name)
 
     def mismatch(self, scene: Mapping[str, Any]) -> str:

@@ -46,7 +46,7 @@ class Study:
     `vary` maps scene keys to lists of values; every combination is run. See `contactlab.studies.vary`.
     """
 
-    scene: str = key(says="the name of a bundled scene, or a scene file beside the study")
+    scene: str = key(says="the name of a bundled scene, or a scene file next to the study")
     format: Literal[1] = key(1, says="version of the study format")
     name: str = key("", says="heading of the report; not written: the name of the file")
     reference: str | None = key(
@@ -92,7 +92,7 @@ def bundled_studies() -> dict[str, Path]:
 
 
 def is_study(data: Mapping[str, Any]) -> bool:
-    """Whether TOML data are a study rather than a scene."""
+    """Return whether TOML data are a study rather than a scene."""
     return "scene" in data or "vary" in data
 
 
@@ -139,7 +139,7 @@ def checked_vary(vary: Mapping[str, tuple[Any, Where]]) -> dict[str, tuple[Any, 
 
 
 def _as_list(values: Any) -> str:
-    """What was meant: a range that is written like a call or under another name, or a list of one value."""
+    """Guess what was meant: a range that is written like a call or under another name, or a list of one value."""
     if isinstance(values, Mapping) and "use" not in values:
         three = next((list(v) for v in values.values() if isinstance(v, list | tuple) and len(v) == 3), [0.0, 1.0, 5])
         return f"{{ linspace = {three} }}"

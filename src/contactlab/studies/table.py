@@ -44,21 +44,21 @@ def carried_load(status: str, share: float) -> bool:
 
 @dataclass(frozen=True, repr=False)
 class Row:
-    """One run of a study as a row of its table.
+    """Run of a study as a row of its table.
 
     name       of its folder, unique in the table
     algorithm  contact algorithm of the compared contact
     slave      body whose surface is the slave
     level      of the mesh
     varied     scene keys that the study sets, and their values
-    choices    those of them that neither algorithm nor slave nor level shows
+    choices    `varied` without algorithm, slave and level
     status     finished, diverged, not-converged, refused, interrupted, timed-out or failed
     reason     why it did not finish; empty when it did
     measures   numbers by name (`columns.MEASURES` and installed ones), `nan` where one has no meaning
     notes      why measures are missing
-    warnings   what the run says against itself
+    warnings   warnings of the run
     system     machine and versions
-    parts      parts by role, as the run's summary tells
+    parts      parts by role, as in the run's summary
     reference  name of the reference the measures compare with, empty for none
     curve      last contact curve, None if the run left none
     shapes     deformed bodies by name
@@ -144,9 +144,9 @@ class Table:
     scene_text   the same as TOML
     wall_s       wall time of the whole comparison [s]
     folder       where the files are, None if none were written
-    breakdown         what the effects of the scene cost, where that was asked for
+    breakdown         costs of the effects of the scene, if requested
     interrupted  True after Ctrl-C or SIGTERM: runs that had not ended are rows of that status
-    further      columns of installed measures, beside those of every table
+    further      columns of installed measures, in addition to the columns of every table
     """
 
     rows: Sequence[Row]
@@ -201,7 +201,7 @@ class Table:
         return len(self.rows)
 
     def __getitem__(self, column: str) -> list[Any]:
-        """One column by its name in `table.csv`."""
+        """Return a column by its name in `table.csv`."""
         return [row[column] for row in self.rows]
 
     def select(self, **values: Any) -> list[Row]:

@@ -1,4 +1,4 @@
-"""What tells the runs of a comparison apart beside algorithm, slave and level, in words."""
+"""Differences of the runs of a comparison, except algorithm, slave and level, in words."""
 
 from __future__ import annotations
 

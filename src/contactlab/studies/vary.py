@@ -1,4 +1,4 @@
-"""What a study varies: lists of values, ranges and samples, keys that go together, and keys of all bodies at once."""
+"""Variations of a study: lists of values, ranges and samples, keys that go together, and keys of all bodies."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ _ALLOWED = (
     "{sample = [LEAST, LARGEST], count = N, seed = S}"
 )
 MOST = 10_000
-"""Values of one key: a study that wants more has a wrong number in it."""
+"""Values of one key: more is taken as an error in the study."""
 
 
 def is_range(value: Any) -> bool:
-    """Whether a table says how to make values, and is no table of further keys."""
+    """Return whether a table describes how to make values, and is not a table of further keys."""
     return isinstance(value, Mapping) and any(name in value for name in (*RANGES, "sample"))
 
 
@@ -48,13 +48,13 @@ def expanded(vary: Mapping[str, tuple[Any, Where]]) -> dict[str, tuple[Any, Wher
 def _range(value: Mapping[str, Any], where: Where) -> list[float] | list[int]:
     (kind, numbers), *rest = value.items()
     if rest or kind not in RANGES or not _numbers(numbers, 3) or numbers[2] != int(numbers[2]):
-        raise RequestError("this is no range", where=where, got=dict(value), allowed=_ALLOWED)
+        raise RequestError("this is not a range", where=where, got=dict(value), allowed=_ALLOWED)
     first, last, count = float(numbers[0]), float(numbers[1]), int(numbers[2])
     if not 2 <= count <= MOST:
-        raise RequestError("a range has 2 values or more", where=where, got=count, allowed=f"2 to {MOST}")
+        raise RequestError("a range has at least 2 values", where=where, got=count, allowed=f"2 to {MOST}")
     if kind == "logspace" and not first * last > 0.0:
         raise RequestError(
-            "a logarithmic range has both ends on one side of zero", where=where, got=[first, last],
+            "both ends of a logarithmic range must have the same sign", where=where, got=[first, last],
             hint="logspace takes the ends themselves, not their powers: [0.01, 1.0, 5]",
         )  # fmt: skip
     made = np.linspace(first, last, count) if kind == "linspace" else np.geomspace(first, last, count)
@@ -71,7 +71,7 @@ def _samples(sampled: Mapping[str, tuple[Mapping[str, Any], Where]]) -> list[lis
         unknown = set(value) - {"sample", "count", "seed", "by"}
         ends = value["sample"]
         if unknown or not _numbers(ends, 2) or not ends[0] < ends[1]:
-            raise RequestError("this is no sample", where=where, got=dict(value), allowed=_ALLOWED)
+            raise RequestError("this is not a sample", where=where, got=dict(value), allowed=_ALLOWED)
         settings[name] = (value.get("count"), value.get("seed", 0), value.get("by", "latin-hypercube"))
     (_, where), *_ = sampled.values()
     if len(set(settings.values())) > 1:
@@ -153,7 +153,7 @@ def _starred(path: list[str], data: Any, key: str) -> list[str]:
         data = _entry(data, name)
     names = [str(n) for n in range(len(data))] if isinstance(data, list) else list(data or ())
     if not names:
-        raise RequestError("there is nothing that * could stand for", where=key, got=".".join(path[:place]) or "*",
+        raise RequestError("nothing matches *", where=key, got=".".join(path[:place]) or "*",
                            allowed="a table or list of the scene: bodies.*.element, contacts.*.algorithm")  # fmt: skip
     return [
         full for name in names for full in _starred_from(path, place, name, _entry(data, name), key)

@@ -1,4 +1,4 @@
-"""One cell of a matrix: the plan of its runs, and its verdict."""
+"""Cell of a matrix: the plan of its runs, and its verdict."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ from contactlab.verdicts.plan import Cell
 
 @dataclass
 class CellResult:
-    """What came of a cell: its verdict, the measures with theirs, and the keys of its runs.
+    """Result of a cell: its verdict, the measures with their verdicts, and the keys of its runs.
 
-    whole  False if it was interrupted, so that the verdict says nothing
+    whole  False if it was interrupted, so that the verdict is void
     """
 
     verdict: str

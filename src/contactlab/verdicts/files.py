@@ -1,4 +1,4 @@
-"""What a matrix leaves: matrix.csv, one row per measure; matrix.json; parquet where pyarrow is there."""
+"""Files of a matrix: matrix.csv, one row per measure; matrix.json; parquet if pyarrow is installed."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ NO_MEASURE = {"measure": "", "value": math.nan, "least": -math.inf, "most": math
 
 
 def rows(matrix: Matrix) -> Iterator[dict[str, Any]]:
-    """One row per measure, with its own verdict; a cell without measures is one row. Silent cells come first."""
+    """Yield a row per measure, with its own verdict; a cell without measures is one row. Silent cells come first."""
     for cell, result in matrix.worst_first:
         ends = {
             "status": result.status,
@@ -64,7 +64,7 @@ Key = tuple[str, ...]
 
 
 def verdicts(path: Path) -> dict[Key, str]:
-    """The verdict of each cell in a matrix.csv: the worst of its rows. Raises RequestError where it is none."""
+    """The verdict of each cell in a matrix.csv: the worst of its rows. Raises RequestError for other files."""
     path = path / "matrix.csv" if path.is_dir() else path
     try:
         found: dict[Key, str] = {}
@@ -102,13 +102,13 @@ COLOURS = {
 }  # fmt: skip
 
 MEANINGS = {
-    "silent": "finished, wrong, and nothing said so",
+    "silent": "finished with a wrong result, and no warning reported it",
     "failed": "did not finish",
-    "missed": "a number is outside of what the case allows, or a warning said so",
-    "not-judged": "was stopped: more steps and iterations than the case allows",
-    "ill-posed": "said that there is no answer, where there is none",
-    "met": "all numbers are within what the case allows",
-    "not-applicable": "was not made",
+    "missed": "a measure is outside its limits, or a warning reported the error",
+    "not-judged": "stopped: more steps and iterations than the case allows",
+    "ill-posed": "the problem has no solution, and the run reported or showed that",
+    "met": "all measures are within their limits",
+    "not-applicable": "not run",
 }
 
 

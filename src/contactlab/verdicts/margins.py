@@ -17,14 +17,14 @@ from contactlab.verdicts.cell import CellResult, cell_plan, keep
 from contactlab.verdicts.plan import Cell, Request, plan
 
 HALVINGS = 6
-"""Of the distance between what is met and what is not (of its logarithm where both are positive): a 64th is left."""
+"""Share of the distance between values met and missed (of its logarithm if both are positive): a 64th is left."""
 
 
 @dataclass(frozen=True)
 class Margin:
-    """How far one field of a case can go with one algorithm.
+    """Margin of one field of a case with one algorithm.
 
-    met, missed  largest value that meets every criterion, smallest that was seen not to (nan: none, up to `limit`)
+    met, missed  largest value that meets every criterion, smallest known value that does not (nan: none, up to `limit`)
     verdict, reason  at `missed`
     """
 
@@ -79,7 +79,7 @@ def margin_plan(
 
 
 def run_margins(request: Request, registry: Registry, driver: Driver, folder: Path) -> list[Margin]:
-    """Margins of all asked cases that have one, for all asked algorithms; margins.csv in `folder`."""
+    """Find margins of all requested cases that have one, for all requested algorithms; margins.csv in `folder`."""
     found: dict[int, Margin] = {}
     plans = [
         margin_plan(*pair, registry, lambda cell, result: keep(driver.archive, cell, result, registry))
@@ -95,6 +95,6 @@ def run_margins(request: Request, registry: Registry, driver: Driver, folder: Pa
 
 
 def margins_asked(request: Request, registry: Registry) -> list[tuple[str, str]]:
-    """Cases that have a margin, with the methods that are asked for."""
+    """Cases that have a margin, with the requested methods."""
     asked = dict.fromkeys((cell.name, cell.choices["contact"]) for cell in plan(request, registry))
     return [pair for pair in asked if registry.make("case", pair[0]).margin is not None]

@@ -14,7 +14,7 @@ from contactlab.jobs.rows import write_csv
 from contactlab.verdicts.run import Matrix
 
 ROUND_OFF = 1e-9
-"""Errors below it are not those of a mesh."""
+"""Errors below it do not come from the mesh."""
 COLUMNS = (*CHOICES, "measure", "levels", "order", "interval", "theory")
 
 

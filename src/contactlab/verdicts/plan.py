@@ -1,4 +1,4 @@
-"""Which cells a matrix has."""
+"""Plan of the cells of a matrix."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from contactlab.errors import RequestError, did_you_mean
 from contactlab.parts.registry import Registry
 
 PACKAGES = {"case": "contactlab-cases", "contact": "contactlab-mortar"}
-"""What brings parts of a kind."""
+"""Packages that bring parts of a kind."""
 
 
 @dataclass(frozen=True)
 class Cell:
-    """One question put to one setup. `variant` are the fields of the case that differ from its defaults."""
+    """One case with one setup. `variant` are the fields of the case that differ from its defaults."""
 
     name: str
     variant: Mapping[str, Any]
@@ -31,7 +31,7 @@ class Cell:
 
     @property
     def choices(self) -> dict[str, str]:
-        """What tells cells apart, as the columns of the table."""
+        """Identify the cell by the columns of the table."""
         setup = self.setup
         variant = ", ".join(f"{name}={value:g}" if isinstance(value, float) else f"{name}={value}"
                             for name, value in self.variant.items())  # fmt: skip
@@ -52,7 +52,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class Request:
-    """What a matrix is asked for: names of cases and contact methods (all without any), and how much."""
+    """Request of a matrix: names of cases and contact methods (all without any), and how much."""
 
     cases: Sequence[str] = ()
     contacts: Sequence[str] = ()
@@ -64,9 +64,7 @@ def plan(request: Request, registry: Registry) -> list[Cell]:
     """The cells in the order of the table. Raises RequestError for a name that is not installed."""
     for kind, package in PACKAGES.items():
         if not registry.names(kind):
-            raise RequestError(
-                f"no {kind} is installed at all", where="contactlab matrix", hint=f"pip install {package}"
-            )
+            raise RequestError(f"no {kind} is installed", where="contactlab matrix", hint=f"pip install {package}")
     cases = registry.names("case")
     for name in request.cases:
         if name not in cases:

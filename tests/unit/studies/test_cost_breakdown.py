@@ -177,7 +177,7 @@ def test_runs_without_a_common_loading_are_compared_at_its_end() -> None:
 
 
 def test_effects_and_variations_do_not_go_together() -> None:
-    with pytest.raises(RequestError, match="nothing else is varied"):
+    with pytest.raises(RequestError, match="no keys are varied"):
         compare("disc-on-block", {"level": [1, 2]}, effects=True)
 
 
