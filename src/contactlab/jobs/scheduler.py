@@ -19,9 +19,9 @@ def checked_scheduler(scheduler: str) -> str:
 
 
 def open_pool(scheduler: str, jobs: int, folder: Path | None = None) -> Pool:
-    """The pool that `--scheduler` asks for, with `jobs` processes where it starts them itself.
+    """The pool that `--scheduler` requests, with `jobs` processes if it starts them itself.
 
-    folder  where the results go: a cluster finds out by it whether its workers share this disk
+    folder  of the results: a cluster finds out by it whether its workers share this disk
     Raises RequestError for an unknown scheduler, or one that is not installed or does not answer.
     """
     if checked_scheduler(scheduler) == LOCAL:

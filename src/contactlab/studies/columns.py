@@ -15,7 +15,7 @@ class Column:
     unit     "share" (0.01 is shown as 1 %), "" or the kind of a unit (`contactlab.api.drawing.units`)
     meaning  one sentence
     digits   significant digits shown
-    better   what a reader should look for: "small", or "" where neither is better
+    better   what a reader should look for: "small", or "" if neither is better
     """
 
     name: str

@@ -30,11 +30,11 @@ class EffectCost:
     """Cost of one effect, and its change of the answer.
 
     declared   False: the scene leaves it out, and it was added to be measured
-    step_s     what it costs in each step, CPU [s]; nan where the runs cannot be compared step by step
+    step_s     what it costs in each step, CPU [s]; NaN if the runs cannot be compared step by step
     run_s      what it costs in the whole run, CPU [s]
     memory_mib what its arrays need
     reaction, pressure, energy  what leaving it out changes: of the force and of the internal energy over the
-               whole loading (at its end, where the runs have no loading in common), and of the final pressure, L2
+               whole loading (at its end, if the runs have no loading in common), and of the final pressure, L2
                norms relative to the run that has the effect
     status     of the run without it (or with it, if it is not declared), and the reason if it did not finish
     """
@@ -52,7 +52,7 @@ class EffectCost:
 
     @property
     def error(self) -> float:
-        """The largest of the changes in the answer, nan where none is known."""
+        """The largest of the changes in the answer, NaN if none is known."""
         known = [value for value in (self.reaction, self.pressure, self.energy) if not math.isnan(value)]
         return max(known, default=math.nan)
 
@@ -128,7 +128,7 @@ def breakdown_of(plan: BreakdownPlan, records: Mapping[str, Record]) -> CostBrea
 def _costs(record: Record) -> tuple[float, float, float]:
     """CPU seconds of a step and of the run without the compiling and loading of kernels, and MiB of arrays."""
     cost = record.summary.get("cost", {})
-    run = max(0.0, without_compilation(cost, "run_cpu_s"))  # nothing where a run left no cost
+    run = max(0.0, without_compilation(cost, "run_cpu_s"))  # empty if a run left no cost
     steps = record.summary.get("steps", 0)
     return run / steps if steps else math.nan, run, float(cost.get("arrays_mib", math.nan))
 

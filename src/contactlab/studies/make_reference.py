@@ -91,7 +91,7 @@ def reference_files(
 
 
 def _scene_of(recipe: Path) -> Mapping[str, Any]:
-    """The scene of a recipe with what it sets. Raises RequestError where its runs have different answers."""
+    """The scene of a recipe with what it sets. Raises RequestError if its runs have different answers."""
     scenes = [job.scene.data for job in make_plan(recipe).jobs]
     answers = [holds_for(scene) for scene in scenes]
     differing = sorted({key for one in answers for key in one if one[key] != answers[0].get(key)})

@@ -85,7 +85,7 @@ def _forces(scene: Mapping[str, Any], summary: Mapping[str, Any], contact: int) 
 
 
 def driven_support(scene: Mapping[str, Any], reactions: Mapping[str, Floats]) -> str:
-    """The first support that moves; where none does, the one with the largest force."""
+    """The first support that moves; if none does, the support with the largest force."""
     for support in scene.get("supports", ()):
         if any(isinstance(support.get(name), Mapping) for name in ("ux", "uy")):
             return str(support["on"])
@@ -96,7 +96,7 @@ def reaction_against_pressure(
     scene: Mapping[str, Any], reactions: Mapping[str, Floats], contact: int, integral: Floats
 ) -> float:
     """|R + P| / |R| with the integral P (2,) of the contact tractions on the slave and the support force R
-    on the slave's body; with -P and the master's body where the slave's has no support.
+    on the slave's body; with -P and the master's body if the slave's has no support.
 
     nan if both bodies are free or have other contacts as well, and for a body that touches itself: its contact
     force is internal.
@@ -151,7 +151,7 @@ def _costs(summary: Mapping[str, Any]) -> Measures:
 
 
 def without_compilation(cost: Mapping[str, Any], name: str) -> float:
-    """Seconds without the compiling and loading of kernels: that says nothing about an algorithm."""
+    """Seconds without the compiling and loading of kernels: that is no property of an algorithm."""
     return float(np.maximum(_float(cost.get(name)) - _float(cost.get("compile_s", 0.0)), 0.0))
 
 

@@ -71,7 +71,7 @@ def excess_turning_points(profile: Profile, reference: Profile) -> int:
 def edge_error(profile: Profile, reference: Profile) -> float:
     """Largest distance between the edges of contact, in lengths h of the segment at the edge.
 
-    An edge is where the pressure reaches `EDGE_LEVEL` of the largest reference pressure.
+    At an edge the pressure reaches `EDGE_LEVEL` of the largest reference pressure.
     """
     level = EDGE_LEVEL * _peak(reference)
     found, wanted = profile.edges(level), reference.edges(level)

@@ -31,7 +31,7 @@ def record_comparison(
 ) -> None:
     """Let the recorders of `scene` gather the runs of these names in `folder`; what fails is a warning.
 
-    Those that work when somebody looks do it only `for_good`: where the runs will not stay.
+    Recorders that work on view do it only `for_good`: if the runs will not stay.
     """
     recorders = recorders_of(scene, registry)
     working = recorders if for_good else {**at_work(recorders), **when_over(recorders)}
@@ -75,7 +75,7 @@ def main_runs_of(folder: Path) -> list[str]:
 
 
 def _algorithms_of(place: Path) -> str:
-    """Algorithms of the run in a folder, as its scene names them; nothing where that cannot be read."""
+    """Algorithms of the run in a folder, as its scene names them; empty if that cannot be read."""
     try:
         scene = parse_toml((place / "scene.toml").read_text(encoding="utf-8"), "scene.toml")
         return ", ".join(str(contact["algorithm"]["use"]) for contact in scene["contacts"])

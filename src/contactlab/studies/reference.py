@@ -45,7 +45,7 @@ class Reference:
     scalars         name -> {"value", "error", "meaning"}
     error_estimate  {"pressure": relative L2 error, "meaning": how it was estimated}
     holds_for       scene keys and the values they must have
-    level           of the runs that it is made of, None where it is not made of own runs
+    level           of the runs that it is made of, None if it is not made of own runs
     """
 
     name: str
@@ -79,7 +79,7 @@ class Reference:
         return self
 
     def mismatch(self, scene: Mapping[str, Any]) -> str:
-        """Why the reference says nothing about a scene (its TOML data); empty when it holds."""
+        """Return why the reference does not hold for a scene (its TOML data); empty if it holds."""
         for key, wanted in self.holds_for.items():
             found = value_at(scene, key)
             if not _agree(found, wanted):
@@ -140,7 +140,7 @@ def load_reference(
 
 
 def _bare(path: Path) -> Reference:
-    """A reference from a CSV file alone, for any scene: columns x and p (or pressure), and spread where it has one.
+    """A reference from a CSV file alone, for any scene: columns x and p (or pressure), and spread if it has one.
 
     Without a spread it is taken as exact. Headings may go on after these words: x_mm, p_MPa.
     """

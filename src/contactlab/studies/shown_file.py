@@ -40,7 +40,7 @@ def can_be_shown(folder: Path, registry: Registry) -> bool:
 
 
 def as_asked(recorder: Recorder, run: Results) -> Recorder:
-    """The recorder with the fields that the scene of a run gives it; as it is where the scene does not name it."""
+    """The recorder with the fields that the scene of a run gives it; as it is if the scene does not name it."""
     registry = default_registry()
     record: Mapping[str, Any] = parse_toml(run.layout.scene, "scene.toml").get("record", {})
     for spec in record.get("recorders", ()):

@@ -30,7 +30,7 @@ class Pareto:
 
 
 MOST_RUNS = 10_000
-"""Runs of one combination: a median of more says no more, and a plan holds each of them."""
+"""Runs of one combination: a median of more is no better, and a plan holds each of them."""
 
 
 def check_repeat(repeat: int | None, where: str) -> None:

@@ -54,7 +54,7 @@ class Row:
     choices    `varied` without algorithm, slave and level
     status     finished, diverged, not-converged, refused, interrupted, timed-out or failed
     reason     why it did not finish; empty when it did
-    measures   numbers by name (`columns.MEASURES` and installed ones), `nan` where one has no meaning
+    measures   numbers by name (`columns.MEASURES` and installed ones), `nan` if one has no meaning
     notes      why measures are missing
     warnings   warnings of the run
     system     machine and versions

@@ -53,7 +53,7 @@ def _compare(a: Row, b: Row) -> Agreement:
 
 
 def write_table(table: Table, folder: Path) -> None:
-    """Write both files into the folder, and `bill.csv` where the cost of effects was measured."""
+    """Write both files into the folder, and `bill.csv` if the cost of effects was measured."""
     write_csv(folder / "table.csv", table.columns(), (row.record() for row in table.rows))
     _write_json(table, folder / "table.json")
     if table.breakdown is not None:

@@ -7,7 +7,7 @@ from typing import Any
 
 
 def varied_text(choices: Mapping[str, Any]) -> str:
-    """Values by the ends of their keys: "mu 0.2, use newton"; empty where nothing else varies."""
+    """Values by the ends of their keys: "mu 0.2, use newton"; empty if nothing else varies."""
     return ", ".join(f"{_short(key, choices)} {_value(value)}" for key, value in choices.items())
 
 

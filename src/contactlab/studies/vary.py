@@ -111,7 +111,7 @@ def _short(value: float) -> float:
 
 
 def checked_ties(vary: Mapping[str, tuple[Any, Where]]) -> None:
-    """Raise RequestError where keys that go together are not given as many values each time."""
+    """Raise RequestError unless keys that go together have as many values each time."""
     for name, (values, where) in vary.items():
         count = len(_keys(name))
         for value in values if count > 1 else ():

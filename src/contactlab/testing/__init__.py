@@ -11,7 +11,7 @@ One module per kind, each with its `CHECKS`. In a plugin's own tests:
         check(MyLaw(young=7000.0, poisson=0.3, density=2.7e-9))
 
 A check returns nothing and raises AssertionError with what it got, what is allowed and why; it raises
-`NotApplicable` (pytest skips) where the part declares that it does not offer the property, and `Expected` where the
+`NotApplicable` (pytest skips) if the part declares that it does not offer the property, and `Expected` if the
 part misses what it never promised. A warning `Undeclared` names a property that a part has but does not declare.
 `contactlab check` runs these, and after them scenarios and cases (docs/check.md).
 """

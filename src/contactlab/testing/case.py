@@ -17,7 +17,7 @@ from contactlab.testing.partners import partners, usual_algorithm
 
 
 def setups(case: Case) -> Iterator[Setup]:
-    """Every integrator and element of the case, with a shipped contact algorithm; either slave where it applies."""
+    """Every integrator and element of the case, with a shipped contact algorithm; either slave if it applies."""
     algorithm = usual_algorithm(default_registry())
     for integrator in case.integrators:
         for element in case.elements:

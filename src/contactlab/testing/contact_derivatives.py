@@ -72,7 +72,7 @@ class _Trial:
         return np.array(self.pair.gaps[:, 0])
 
     def answers(self, position: Floats, chosen: Ints, y: Floats) -> Answers:
-        """Gaps and slips of the chosen multipliers, and the nodal forces of all where they have forces y (r, k)."""
+        """Gaps and slips of the chosen multipliers, and the nodal forces of all for forces y (r, k)."""
         gap = self.gaps(position)[chosen]
         slip = np.array(self.linear.slip[chosen]) if self.friction else np.zeros(0)
         normal, tangential = np.zeros_like(position), np.zeros((len(position) if self.friction else 0, 2))

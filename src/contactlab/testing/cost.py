@@ -28,7 +28,7 @@ Call = Callable[[], object]
 
 @dataclass(frozen=True)
 class Cost:
-    """CPU time of one call [us] of a part; `of` says of what."""
+    """CPU time of one call [us] of a part; `of` names the call."""
 
     name: str
     microseconds: float
@@ -36,7 +36,7 @@ class Cost:
 
 
 def costs(subject: Subject) -> list[Cost]:
-    """Costs of the part, then of every other part of its kind with the same call; empty where none is known."""
+    """Costs of the part, then of every other part of its kind with the same call; empty if none is known."""
     call_of = partial(_contact, edges=_edges(subject)) if subject.kind == "contact" else _CALLS.get(subject.kind)
     if call_of is None:
         return []

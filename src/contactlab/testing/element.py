@@ -191,7 +191,7 @@ def lumped_mass(element: Element) -> None:
 
 
 def forces_are_added(element: Element) -> None:
-    """The force kernel adds to the array, also where cells share nodes, and changes no other node."""
+    """The force kernel adds to the array, also if cells share nodes, and changes no other node."""
     cells = distorted_cells(element, 3)
     q, a = len(element.quadrature().weights), len(element.nodes)
     stress = np.random.default_rng(3).normal(size=(4, q))

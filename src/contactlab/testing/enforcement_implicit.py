@@ -266,7 +266,7 @@ def units_do_not_matter_to_it(enforcement: Enforcement) -> None:
 
 
 def few_iterations(enforcement: Enforcement) -> None:
-    """Newton's method on single springs needs a handful of iterations, some more where the law is curved."""
+    """Newton's method on single springs needs a handful of iterations, some more if the law is curved."""
     part = _implicit(enforcement)
     # whether the force of some slot follows its gap with more slopes than the few of a piecewise linear law
     conditions, _ = some_conditions(friction=False)

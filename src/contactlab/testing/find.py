@@ -35,7 +35,7 @@ def subjects(
 
 
 def _take(subject: Subject) -> None:
-    """Raise what the part says of given values, where it can be made without them: then they are a wrong request."""
+    """Raise the part's own error for given values, if it can be made without them: then they are a wrong request."""
     try:
         subject.make()
     except RequestError:
@@ -102,7 +102,7 @@ class _Project(Distribution):
 
     @property
     def version(self) -> str:
-        """Empty where it is not written down."""
+        """Empty if it is not written down."""
         return str(self.table.get("version", ""))
 
     def read_text(self, filename: str) -> str | None:

@@ -270,7 +270,7 @@ def _fits_together(law: FrictionLaw) -> None:
         wanted = bound_of(law, inputs, memory) * [[1.0], [STRESS], [1.0]]
         found = bound_of(other, scaled, known)
         for name, a, b in zip(FrictionBound._fields, found, wanted, strict=True):
-            same = np.isclose(a, b, rtol=1e-6, atol=0.0)  # constants below a millionth of the smallest rate are none
+            same = np.isclose(a, b, rtol=1e-6, atol=0.0)  # constants below a millionth of the least rate do not count
             after = f" after {step} steps" if step else ""
             require(
                 same.all(),

@@ -52,7 +52,7 @@ def no_stress_at_rest(law: Material) -> None:
         agree(stress, stress[:, :1] + 0.0 * stress, within, "stress at rest of different points")
         if law.isotropic:
             agree(stress[[1, 3]], np.stack([stress[0], 0.0 * stress[0]]), within, "yy and xy at rest, and xx and 0")
-        raise NotApplicable("assumes no stress where nothing is deformed: stress_free is False")
+        raise NotApplicable("assumes no stress at rest: stress_free is False")
     agree(stress, np.zeros((4, POINTS)), 1e-13 * modulus(law), "stress at rest (round-off of the moduli)")
     agree(history, no_history(law, POINTS), 0.0, "history at rest")
 
@@ -344,7 +344,7 @@ def young_and_poisson_are_meant(law: Material) -> None:
 
 
 def _all_told(law: Material) -> list[Floats]:
-    """All that a law says of some strained points; steps are short, usual and long."""
+    """All results of a law at some strained points; steps are short, usual and long."""
     gradient, history, out = gradients(law, POINTS, STRAIN), some_history(law, POINTS), np.full(POINTS, np.nan)
     found = [a for dt in (DT, 1.0, usual_step(law)) for a in respond(law, gradient, history, dt)]
     methods = [law.energy, law.dissipation] if law.has_energy else [law.dissipation]

@@ -15,7 +15,7 @@ POINTS, STRAIN = 40, 0.1
 
 def _isotropic(law: Material) -> Material:
     if not law.isotropic:
-        raise NotApplicable("the law says that it has directions of its own")
+        raise NotApplicable("the law has directions of its own: isotropic is False")
     return law
 
 

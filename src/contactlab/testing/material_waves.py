@@ -18,7 +18,7 @@ PUSH, ONE_SIDED = 1e-6, 1e-4  # size of a step to one side, and what that leaves
 
 
 def stiffening_bounds_the_waves(law: Material) -> None:
-    """No wave in a strained or stressed point is faster than `stiffening` says, or explicit steps would be too long."""
+    """No wave in a strained or stressed point is faster than `stiffening` gives, or explicit steps are too long."""
     gradient, stress, fastest, error = _waves(law)
     bound = np.full(len(fastest), np.nan)
     law.stiffening(gradient, stress, bound)

@@ -91,7 +91,7 @@ def looks_at_its_contact(measure: RunMeasure) -> None:
 
 
 def has_its_unit(measure: RunMeasure) -> None:
-    """A run that is twice as large, or with pressures three times as high, gives the number that its unit says."""
+    """A run that is twice as large, or with pressures three times as high, gives the number that its unit implies."""
     if measure.unit not in POWERS:
         raise NotApplicable(f"no rule is known for scaling the unit {measure.unit!r} with lengths and pressures")
     plain = measure.evaluate(record(), CONTACT, solution())
@@ -134,7 +134,7 @@ def finds_the_same_again(measure: RunMeasure) -> None:
 
 
 def changes_nothing(measure: RunMeasure) -> None:
-    """Curve, summary and reference are unchanged, also of a slave that runs against x, and where numbers are NaN."""
+    """Curve, summary and reference are unchanged, also of a slave that runs against x, and if numbers are NaN."""
     for made in (record, _mirrored, lambda: unknown(record())):
         seen, plain, against = made(), made(), solution()
         measure.evaluate(seen, CONTACT, against)

@@ -1,4 +1,4 @@
-"""Checks of normal laws: pressure, slope and where it begins."""
+"""Checks of normal laws: pressure, slope and the gap where pressure begins."""
 
 from __future__ import annotations
 
@@ -137,7 +137,7 @@ def pressure_is_right_under_what_it_remembers(enforcement: Enforcement) -> None:
     named = _later(law, np.full(COUNT, gap.min()), 1e4, 0.5, named_of(law, COUNT))
     pressure, slope = _pressed(law, gap, 1e4, 0.5, named)
     require(pressure.min() >= 0.0, f"it pulls with {-pressure.min():.3g} MPa")
-    require(np.diff(pressure).max() <= 1e-12 * pressure.max(), "the pressure falls where the gap closes")
+    require(np.diff(pressure).max() <= 1e-12 * pressure.max(), "the pressure falls as the gap closes")
     more, less = (_pressed(law, gap + side * step, 1e4, 0.5, named)[0] for side in (1.0, -1.0))
     error = np.abs(slope - (more - less) / (2.0 * step)) / max(float(np.abs(slope).max()), 1e-300)
     wrong = int(np.count_nonzero(error > 1e-6))

@@ -184,7 +184,7 @@ class Oscillator:
         return float(change - external - contact - friction)
 
     def run(self, steps: int, dt: float) -> Floats:
-        """Displacements (steps, N, 2) after each step. Raises AssertionError where one is not accepted."""
+        """Displacements (steps, N, 2) after each step. Raises AssertionError if one is not accepted."""
         out = np.empty((steps, *self.state["displacement"].shape))
         for i in range(steps):
             done = self._advance_by(dt)
@@ -194,7 +194,7 @@ class Oscillator:
         return out
 
     def _advance_by(self, dt: float) -> Step:
-        """Steps that sum to dt [s]: one, or several where the integrator asks for shorter ones by `Step.longest`."""
+        """Steps that sum to dt [s]: one, or several if the integrator requests shorter ones by `Step.longest`."""
         end, length = self.state.time + dt, dt
         while True:
             done = self.advance(length)

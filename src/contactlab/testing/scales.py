@@ -26,7 +26,7 @@ def scale_of(part: Any, name: str, otherwise: float) -> float:
 
 
 def scales_are_fields(part: Any) -> None:
-    """`length_scale` and `time_scale`, where given, name a field with a number above 0."""
+    """`length_scale` and `time_scale`, if given, name a field with a number above 0."""
     names = [name for name in ("length_scale", "time_scale") if getattr(part, name, "")]
     if not names:
         raise NotApplicable("the part declares no length and no time of its own")

@@ -60,7 +60,7 @@ def in_other_units(part: Any, time: float = TIME) -> Any:
 
 
 def same_in_other_units(found: Any, wanted: Any, by: float, what: str) -> None:
-    """Raise AssertionError unless the numbers in m, ms and kPa are `by` times those in mm, s and MPa."""
+    """Raise AssertionError unless the numbers in m, ms and kPa are `by` times the numbers in mm, s and MPa."""
     one, other = np.asarray(found, np.float64), by * np.asarray(wanted, np.float64)
     size = float(np.abs(other[np.isfinite(other)]).max(initial=0.0))
     wrong = ~np.isclose(one, other, rtol=CLOSE, atol=CLOSE * 1e-6 * size)

@@ -1,4 +1,4 @@
-"""Checks of watches: they change nothing, and keep their memory where a restart finds it."""
+"""Checks of watches: they change nothing, and keep their memory so that a restart finds it."""
 
 from __future__ import annotations
 

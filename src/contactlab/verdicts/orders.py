@@ -22,7 +22,7 @@ def orders(matrix: Matrix) -> list[dict[str, Any]]:
     """q of |error| ~ h^q by least squares over the levels, `interval` the half-width of its 95 % interval (Student).
 
     One row for each configuration and measure of role "error" that has at least two levels; the interval is None for
-    two, the theory None where the case names none.
+    two, the theory None if the case names none.
     """
     found: dict[tuple[str, ...], dict[str, Any]] = {}
     for cell, result in matrix.cells:
@@ -50,7 +50,7 @@ def _row(line: dict[str, Any]) -> dict[str, Any]:
 
 
 def write_orders(matrix: Matrix, folder: Path) -> None:
-    """Write orders.csv where there are any."""
+    """Write orders.csv if there are any."""
     found = orders(matrix)
     if found:
         write_csv(folder / "orders.csv", COLUMNS, found)

@@ -43,7 +43,7 @@ def disc_on_block(
 
 
 def disc_mesh(radius: float, h: float, growth: float) -> dict[str, Any]:
-    """Cells grow from `h` radii at the middle of the arc to its ends; none where growth is 1."""
+    """Cells grow from `h` radii at the middle of the arc to its ends; none if growth is 1."""
     columns = round(HALF / h) if growth == 1.0 else graded_count(HALF, h, growth)
     rows = graded_count(0.5, h, 1.12)
     return {
@@ -87,14 +87,14 @@ def peak_error(record: Record, at: Floats, exact: Callable[[Floats], Floats]) ->
 
 
 def hertz_measures(peak: float, width: float, l2: float, why: str) -> list[Measure]:
-    """Errors of p0 and of p, and of the half-width in segments; where one is infinite, it is only reported.
+    """Errors of p0 and of p, and of the half-width in segments; if one is infinite, it is only reported.
 
     A run that warns of a saw-tooth has named what its errors of the pressure come from.
     """
     saw = ("pressure-saw",)
     return [
         _or_told(error("largest pressure", peak, why, codes=saw)),
-        _or_told(error("half-width in segments", width, "nodes tell where contact ends by half a segment", "h")),
+        _or_told(error("half-width in segments", width, "nodes show the end of contact to half a segment", "h")),
         _or_told(error("L2 of the pressure", l2, why, codes=saw)),
         reported("L2 of exact nodal values"),
         reported("segments in the half-width"),

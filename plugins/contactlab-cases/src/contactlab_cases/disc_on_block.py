@@ -30,7 +30,7 @@ class DiscOnBlock(Case):
     proves: ClassVar[frozenset[str]] = frozenset({"curved contact", "large deformation"})
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """The pair and the slaves exchanged; where both come to their end, a mesh twice as fine."""
+        """The pair and the slaves exchanged; if both finish, a mesh twice as fine."""
         pair = (self._job("pressed", setup, setup.swap, 1), self._job("exchanged", setup, not setup.swap, 1))
         if any(name in done and not done[name].finished for name in ("pressed", "exchanged")):
             return pair

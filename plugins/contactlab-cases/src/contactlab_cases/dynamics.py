@@ -25,7 +25,7 @@ def strip(x: tuple[float, float], y: tuple[float, float], cells: list[int], **mo
 
 
 def largest(values: Floats) -> float:
-    """Largest magnitude among the values, 0 where there are none."""
+    """Largest magnitude among the values, 0 for none."""
     return float(np.abs(values).max())
 
 
@@ -38,7 +38,7 @@ def energy_under_weight(found: Mapping[str, Floats], body: str, weight: float) -
     """Energy [mJ] after every step: kinetic, of the stresses by their work, and of the weight [N], which acts along -y.
 
     `found` has rows of kinetic, work.internal and position.BODY.y. Velocities of leapfrog are half a step back, and so
-    are both works: an energy of this kind stays to round-off where nothing gives or takes any.
+    are both works: an energy of this kind stays to round-off if nothing gives or takes any.
     """
     y = found[f"position.{body}.y"]
     return np.asarray(found["kinetic"] + found["work.internal"] + 0.5 * weight * (y + np.append(y[:1], y[:-1])))[1:]

@@ -71,7 +71,7 @@ class ElasticPunch(Case):
         )  # fmt: skip
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """The exponent of the pressure at the corner, judged where an exact one is known."""
+        """The exponent of the pressure at the corner, judged if an exact one is known."""
         why = "the next term of the series at a fifth of the half-width, and three cells of the singularity"
         known = EXPONENTS.get(self.contrast)
         slope = reported("exponent less the exact one")

@@ -24,7 +24,7 @@ class EvenCompression(ReferenceSolution):
     """
 
     title: ClassVar[str] = "two layers pressed evenly"
-    origin: ClassVar[str] = "equilibrium and Hooke's law in one dimension, p = w/(H1/M1 + H2/M2), or p that of the load"
+    origin: ClassVar[str] = "equilibrium and Hooke's law in one dimension, p = w/(H1/M1 + H2/M2), or p of the load"
 
     def mismatch(self, scene: Mapping[str, Any]) -> str:
         """The first thing that gives the scene another solution. Never raises."""

@@ -2,7 +2,7 @@
 
 The upper one has shear modulus and density 1 and slides towards +x; the lower one has another modulus and the same
 density; nu = 0. What moves as exp(i k x + p k t), with p per shear wave speed of the upper one, solves an equation
-without k: where its real part is positive, the rate of growth p k has no bound, and the problem no answer.
+without k: if its real part is positive, the rate of growth p k has no bound, and the problem no answer.
 """
 
 from __future__ import annotations

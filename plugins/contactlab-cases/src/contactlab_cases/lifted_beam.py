@@ -64,7 +64,7 @@ class LiftedBeam(Case):
         cell = 1.0 / self.cells / setup.level / self.lift**0.25
         return [
             error("force that lifts", 0.01 + 0.3 * cell, "shear, 1/900 of the deflection, and the place by a cell"),
-            error("length that is lifted", 0.01 + cell, "nodes tell where it leaves the floor to a cell"),
+            error("length that is lifted", 0.01 + cell, "nodes show where it leaves the floor to a cell"),
             reported("force in one point over that which lifts"),
         ]
 

@@ -62,11 +62,11 @@ class MeshLadder(Case):
         if self.varied != "nothing" and self.ratio != 1.0 / 3.0:
             return "steps, damping and loads vary at 1:3, with either side as slave"
         if setup.element != "q1" and (self.varied != "nothing" or self.ratio not in self.axes["ratio"][:4]):
-            return "explicit runs of quadratic cells are dear: meshes with a ratio up to 3 are enough"
+            return "explicit runs of quadratic cells are expensive: meshes with a ratio up to 3 are enough"
         return ""
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """The explicit run as its path asks for; where it comes to rest, the static one to compare it with."""
+        """Plan the explicit run along its path; if it comes to rest, also the static run to compare it with."""
         if "explicit" in done and not done["explicit"].finished:
             return ()
         changes = {**setup.changes("disc", "block"), **self._meshes(setup), **VARIED[self.varied]}

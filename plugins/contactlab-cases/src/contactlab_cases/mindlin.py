@@ -69,7 +69,7 @@ class Mindlin(Case):
         kink = "the peak of q is a kink at the end of sticking, which P1 multipliers overshoot"
         shear = [reported(f"{phase}: {what}") for phase in PHASES.values() for what in ("peak", "L2")]
         return [
-            error("stick half-width in segments", 1.0, "nodes tell where sticking ends by half a segment", "h"),
+            error("stick half-width in segments", 1.0, "nodes show the end of sticking to half a segment", "h"),
             error("loaded: peak of the shear", 0.06 * size, kink),
             error("resultant of the shear over Q, less one", 1e-6, "forces of statics balance"),
             at_most("cone violation", 1e-8, "Newton's tolerance"),

@@ -67,7 +67,7 @@ class PulledBlock(Case):
         )
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Compare displacements and forces with those under unlimited friction."""
+        """Compare displacements and forces with a run under unlimited friction."""
         pulled, free = done["pulled"], done["unlimited"]
         curve, other = pulled.curve(), free.curve()
         bottom = np.isclose(pulled.nodes[:, 1], 0.0) & np.isin(np.arange(len(pulled.nodes)), pulled.cells["block"])

@@ -133,7 +133,7 @@ def table(record: Record, name: str = "series") -> Mapping[str, Floats]:
 
 @dataclass(frozen=True)
 class LeapfrogEnergy(Watch):
-    """The energy that leapfrog keeps where nothing touches: H = v M v/2 + u_n K u_(n+1)/2 - w (u_n + u_(n+1))/2.
+    """The energy that leapfrog keeps if nothing touches: H = v M v/2 + u_n K u_(n+1)/2 - w (u_n + u_(n+1))/2.
 
     Linear elastic bodies under a constant weight w; with it the contact force on `body` along the bars.
     """

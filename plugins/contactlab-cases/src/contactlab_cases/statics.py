@@ -11,7 +11,7 @@ import numpy as np
 from contactlab.api import ContactCurve, Floats, Job, Record, Setup
 
 WORK = 250
-"""Steps and iterations after which a static case is given up: three times what any of them needs where it converges."""
+"""Steps and iterations after which a static case is given up: three times what any of them needs if it converges."""
 HELD_BY_FRICTION = {"use": "active-set", "start": "stick"}
 """Enforcement of a contact whose bodies nothing but friction holds along it."""
 
@@ -53,7 +53,7 @@ def ordered(x: Floats, *values: Any) -> tuple[Floats, ...]:
 def l2_error(x: Floats, values: Floats, exact: Callable[[Floats], Floats], reach: float) -> float:
     """Relative L2 difference over |x| < reach between the linear interpolant of nodal values and a function.
 
-    nan where the function is zero: nothing was pressed yet when the run ended.
+    NaN if the function is zero: nothing was pressed yet when the run ended.
     """
     at, order = np.linspace(-reach, reach, 4001), np.argsort(x)
     found, wanted = np.interp(at, x[order], values[order]), exact(at)

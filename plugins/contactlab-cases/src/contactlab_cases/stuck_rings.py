@@ -24,7 +24,7 @@ from contactlab_cases.statics import HELD_BY_FRICTION, projected
 RADII = (0.2, 0.6, 1.0)  # mm
 CELLS = 6  # of the coarser ring on a quarter, at level 1
 SIZES = {"coarse": 4, "fine": 8}
-ITERATIONS = 150  # of a run: the finer side as slave takes 90 where friction is high
+ITERATIONS = 150  # of a run: the finer side as slave takes 90 if friction is high
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class StuckRings(Case):
     elements: ClassVar[tuple[str, ...]] = ("q1",)
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """Two meshes, one twice as fine, the finer one where the coarser came to its end."""
+        """Two meshes, one twice as fine, the finer one if the coarser finished."""
         if any(not record.finished for record in done.values()):
             return ()
         a, b, c = RADII

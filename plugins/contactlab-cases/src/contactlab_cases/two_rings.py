@@ -92,7 +92,7 @@ class RingsPressed(Case):
                 order=2.0,
             ),
             within("order of the carried pressure", 1.8, 2.6, "two of bilinear elements; coarse meshes are beyond it"),
-            at_most("mean pressure, error", 0.002, "half of the error in L2 where it is a fault of all nodes"),
+            at_most("mean pressure, error", 0.002, "half of the error in L2 if all nodes are in error"),
             reported("L2 of the reported pressure"),
             reported("order of the reported pressure"),
         ]

@@ -59,7 +59,7 @@ class BluntWedge(Case):
         return 0.1 * WIDTH / level
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """Errors of the pressure, and whether it swings where it grows without bound."""
+        """Errors of the pressure, and its oscillation where it grows without bound."""
         return [
             at_most(
                 "L2 of the pressure over that of the best approximation",
@@ -67,7 +67,7 @@ class BluntWedge(Case):
                 "the best piecewise linear function on ten cells is off by 9 to 14 %: the logarithm has no end",
             ),
             reported("L2 of the pressure"),
-            error("half-width", 0.1, "nodes tell where contact ends to one cell of ten"),
+            error("half-width", 0.1, "nodes show the end of contact to one cell of ten"),
             at_most(
                 "rise of the pressure away from the apex",
                 0.03,

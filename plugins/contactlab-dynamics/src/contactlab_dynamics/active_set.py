@@ -73,7 +73,7 @@ def _number(count, rows, number, found):
     local, row, own, once = np.empty(entries, np.int32), np.zeros(entries + 1, np.int32), np.empty(count, np.int32), 0
     for z in range(entries):
         local[z] = number[rows.node[z]]
-    # every entry with its row: where loops over the few entries of a row end, no processor foresees
+    # every entry with its row: no processor predicts the end of loops over the few entries of a row
     for i in range(1, count):
         row[rows.start[i]] += 1
     for z in range(1, entries):

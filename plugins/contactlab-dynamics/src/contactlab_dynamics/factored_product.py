@@ -2,7 +2,7 @@
 
 R = E + T^-T B, E being the conditions' own slave nodes, is never formed. A product is two substitutions with T, the
 matrix B C B^T between them, and two more. Conditions that share a node of B are neighbours, so that B C B^T is a
-narrow band: once it is there, a product touches no node at all. Where a node counts in E and in B, twice in E, or
+narrow band: once it is there, a product touches no node at all. If a node counts in E and in B, twice in E, or
 joins conditions far apart, forces are spread over the nodes and their motions gathered instead.
 
 `rows` are `FactoredRows` throughout, of which the first k are in use.

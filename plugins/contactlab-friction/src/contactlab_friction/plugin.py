@@ -20,7 +20,7 @@ def contactlab_parts() -> list[Part]:
             "friction",
             "tresca",
             "contactlab_friction.tresca:Tresca",
-            "tangential stress bounded by a constant, where closed or everywhere",
+            "tangential stress bounded by a constant, on closed surfaces or everywhere",
             "Baillet & Sassi 2005, [17]-[18] and 5.2",
         ),
         Part(

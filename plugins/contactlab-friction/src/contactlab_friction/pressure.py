@@ -43,7 +43,7 @@ class ExponentialPressure(NormalLaw):
 
     clearance  c0 [mm], gap at which pressure begins
     pressure_at_zero  p0 [MPa]; 0: `factor` times c0 times the stiffness of the cells behind both surfaces
-    factor     [-] of `pressure_at_zero` where that is 0
+    factor     [-] of `pressure_at_zero` if that is 0
     """
 
     pressure_before_contact: ClassVar[bool] = True

@@ -31,6 +31,6 @@ class Tresca(FrictionLaw):
             raise ValueError(f"ramp: got {self.ramp}, allowed: a factor > 0 (5 is usual)")
 
     def bound(self) -> FrictionBound:
-        """s times the length that a node stands for, capped by the pressure where only closed nodes rub."""
+        """s times the length that a node stands for, capped by the pressure if only closed nodes rub."""
         cap = math.inf if self.where == "everywhere" else self.ramp
         return FrictionBound(coefficient=0.0, adhesion=self.stress, cap=cap)

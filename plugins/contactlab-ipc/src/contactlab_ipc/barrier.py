@@ -15,7 +15,7 @@ import numpy as np
 
 from contactlab.api import Floats, Potential, PotentialView
 
-KEPT = 0.2  # of a distance, after a correction: where surfaces nearly meet, forces are too large to be of use
+KEPT = 0.2  # of a distance, after a correction: if surfaces nearly meet, forces are too large to be of use
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Barrier(Potential):
         return self.dhat * float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).min())
 
     def energy(self, view: PotentialView, positions: Floats) -> float:
-        """Energy of the barrier; inf where surfaces intersect."""
+        """Energy of the barrier; inf if surfaces intersect."""
         mesh = _mesh(view)
         if _toolkit().has_intersections(mesh, positions):
             return float("inf")
@@ -95,7 +95,7 @@ class Barrier(Potential):
 
     def _rubbing(self, view: PotentialView) -> tuple[Any, Any]:
         ipctk, bound = _toolkit(), view.friction
-        assert bound is not None  # the core asks for friction where there is some
+        assert bound is not None  # the core calls this only with friction
         found = ipctk.TangentialCollisions()
         collisions = self._collisions(view, view.lagged)
         found.build(_mesh(view), view.lagged, collisions, self._barrier(view), bound.coefficient)

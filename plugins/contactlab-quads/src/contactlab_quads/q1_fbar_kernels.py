@@ -6,7 +6,7 @@ the plane and m = (s_xx + s_yy)/2, a cell's virtual work is
 
     sum over points of r dv [(s - m I) : grad(v) + m div0(v)],
 
-div0 being the divergence at the centre; r is 1 where the law counts volume per increment or strains are
+div0 being the divergence at the centre; r is 1 if the law counts volume per increment or strains are
 small. Brackets and coefficients as in `q1_kernels`.
 """
 

@@ -58,7 +58,7 @@ def arrange(
 ) -> Arrangement:
     """Meshes above; profiles, curves over time, states and events below. `converged`: Newton's iteration is drawn.
 
-    With `panel` only that whose name has this in it, nearest to its beginning. Raises ValueError where none has.
+    With `panel` only the panel whose name has this in it, nearest to its beginning. Raises ValueError if none has.
     """
     curves = [_profile_view(profile, shown) for profile in profiles]
     newton = _newton_views(shown) if converged else []
@@ -313,4 +313,4 @@ def _in(unit: str) -> str:
 
 def _tabs(views: Sequence[rrb.View | None]) -> rrb.Container:
     there = [view for view in views if view is not None]
-    return rrb.Tabs(*there, active_tab=0 if there else None)  # nothing to show where nothing ever moved
+    return rrb.Tabs(*there, active_tab=0 if there else None)  # nothing to show if nothing ever moved

@@ -21,7 +21,7 @@ FLOOR = 1e-17  # residuals below it are drawn there
 
 
 def log_convergence(recording: rr.RecordingStream, runs: Sequence[tuple[Gathered, Appearance]], hang: float) -> bool:
-    """The plot for all runs that iterate; False where none does."""
+    """The plot for all runs that iterate; False if none does."""
     found = [(run.iterations, appearance) for run, appearance in runs if run.iterations]
     if not found:
         return False
@@ -70,7 +70,7 @@ def _log_run(
 
 
 def _strips(axes: Axes, rows: Sequence[IterationRow], name: str) -> list[np.ndarray]:
-    """A line for each attempt of a step, in pieces where it is dashed; attempts follow one another."""
+    """A line for each attempt of a step, in pieces if it is dashed; attempts follow one another."""
     strips: list[np.ndarray] = []
     begin = 0
     for _, attempt in groupby(rows, key=lambda row: row.attempt):

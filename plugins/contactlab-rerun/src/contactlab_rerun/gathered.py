@@ -19,7 +19,7 @@ SHORT = {"plastic_strain": "equivalent_plastic_strain"}
 
 
 def check_field(name: str, layout: Layout) -> None:
-    """Raise ValueError where no body has such a field."""
+    """Raise ValueError if no body has such a field."""
     known = [VON_MISES, PRESSURE, *(v for body in layout.bodies for v in body.shown_variables), NO_FIELD]
     if SHORT.get(name, name) not in known:
         raise ValueError(f"field: got {name}, allowed in this scene: {', '.join(dict.fromkeys(known))}")

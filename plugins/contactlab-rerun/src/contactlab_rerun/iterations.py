@@ -25,7 +25,7 @@ LINES_OF = {RESIDUALS: ("log10 force", "log10 contact"), CHANGES: ("conditions c
 
 
 def states_after(run: Gathered) -> np.ndarray:
-    """States (n, m) of all slave nodes after each iteration; (0, 0) where conditions are no nodes, or unknown."""
+    """States (n, m) of all slave nodes after each iteration; (0, 0) if conditions are not nodes, or unknown."""
     sets = [row.active_set for row in run.iterations]
     m = sum(len(contact.slave_nodes) for contact in run.layout.contacts)
     return np.array(sets) if m and {len(each) for each in sets} == {m} else np.zeros((0, 0), np.int32)

@@ -20,7 +20,7 @@ FOLDER = "numbers"
 
 
 def log_tables(recording: rr.RecordingStream, run: Gathered, appearance: Appearance, drawn: Sequence[int]) -> None:
-    """A table of each contact for the frames that are drawn: the newest, where there is no room for all."""
+    """A table of each contact for the frames that are drawn: the newest, if there is no room for all."""
     units = Units.of_label(run.layout.units)
     for contact in run.layout.contacts:
         surface, instants = run.surfaces[contact.name], run.instants
@@ -34,7 +34,7 @@ def log_tables(recording: rr.RecordingStream, run: Gathered, appearance: Appeara
 
 
 def table(run: Gathered, contact: ContactLayout, frame: int, row: np.void | None, units: Units) -> str:
-    """The slave nodes in the order of the surface; `row` of the contact record, where the step is in it."""
+    """The slave nodes in the order of the surface; `row` of the contact record, if the step is in it."""
     surface, instant = run.surfaces[contact.name], run.instants[frame]
     stress, length = in_brackets(units.pressure), in_brackets(units.length)
     names = ["node", f"s{length}", "state", f"gap{length}", f"pressure{stress}"]

@@ -215,7 +215,7 @@ def page_text(run: Gathered, appearance: Appearance, summary: Mapping[str, Any])
 
 
 def what_to_look_for(run: Gathered) -> list[str]:
-    """Lines of Markdown: where a reader of this recording begins."""
+    """Lines of Markdown with an introduction for readers of this recording."""
     lines = []
     if window := run.window():
         lines.append(f"- Steps {window[0]} to {window[1]} have all fields: move the cursor step by step there.")
@@ -224,7 +224,7 @@ def what_to_look_for(run: Gathered) -> list[str]:
         lines.append("- *Pressure*: teeth from node to node are the method's, a smooth arch is the contact's.")
     if run.layout.contacts:
         lines.append("- *nodes of* the slave: gap, multipliers, state and segment of each at the cursor, as numbers.")
-        lines.append("- *energy*: contact without friction makes none; where its line leaves zero, contact goes wrong.")
+        lines.append("- *energy*: contact without friction makes none; its line leaves zero where contact goes wrong.")
     if run.iterations:
         lines.append("- *residual* and *iterations*: how the step at the cursor converged, and what opened or closed.")
         lines.append(

@@ -103,7 +103,7 @@ class RunRecording(Recording):
         self.run.iterates.extend(some)
 
     def close(self, summary: Summary) -> None:
-        """Draw all frames and give the file its name, where this run is the whole of it."""
+        """Draw all frames and give the file its name, if this run is the whole of it."""
         self._series()
         self.series = None  # the file lets go of what it wrote to
         self.finish(summary)

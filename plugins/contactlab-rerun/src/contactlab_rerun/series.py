@@ -1,4 +1,4 @@
-"""Scalars of steps: where each of them lives, and writing them many steps at a time.
+"""Scalars of steps: their paths in the recording, and writing them many steps at a time.
 
 A line has the steps that it needs to pass through all others, as far as anyone sees, and where it would need most of
 them the extremes alone. `results.vtkhdf` has every step.
@@ -110,7 +110,7 @@ class SeriesWriter:
     def log_styles(self, several: bool) -> None:
         """Log names and colours of the lines, of several runs each run's colour; lines of zeros are hidden."""
         numbers: dict[str, int] = {}
-        # where pixels are too few the viewer takes one of some rows, as if these were evenly apart
+        # if pixels are too few the viewer takes one of some rows, as if these were evenly apart
         policies = rr.components.AggregationPolicy
         policy = policies.MinMax if self.many else policies.Off
         for series, visible in self.shown():

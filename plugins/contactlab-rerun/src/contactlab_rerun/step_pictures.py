@@ -17,7 +17,7 @@ from contactlab_rerun.pages import Columns, Picture, log_beside, log_pages
 from contactlab_rerun.profiles import slips
 from contactlab_rerun.timelines import frame_times
 
-TICKS = 6  # nodes that are named, and two more where some change a lot
+TICKS = 6  # nodes that are named, and two more if some change a lot
 ROOM = 9  # labels that a page has room for side by side
 SEGMENTS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9")
 EMPTY = "#22262c"
@@ -46,7 +46,7 @@ def log_pictures(recording: rr.RecordingStream, run: Gathered, appearance: Appea
                 _lengths(rows["gap"][:, along], segment_length(run, contact)),
             ),
         }
-        # without friction all that is closed has one state: where it is says more
+        # without friction all closed nodes have one state: its place is more useful
         order = ["segment", "state", "pressure", "gap"]
         if contact.friction:
             slip = slips(rows)[:, along]

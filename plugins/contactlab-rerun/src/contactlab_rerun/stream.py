@@ -19,7 +19,7 @@ PATIENCE = 60.0  # s that the library may take to let go of its end of a pipe
 class FileStream:
     """A stream of the library that ends in a file.
 
-    The library waits for ever where it cannot write (a quota, a limit of file size). So it writes into a pipe that is
+    The library waits for ever if it cannot write (a quota, a limit of file size). So it writes into a pipe that is
     always read, and what reads it knows when the disk is full. Systems without pipes by name have the library write.
     """
 
@@ -46,7 +46,7 @@ class FileStream:
                 self.error = error
 
     def close(self) -> None:
-        """End the stream; `error` is what the disk said."""
+        """End the stream; `error` is the error of the disk."""
         self.stream.disconnect()
         if self.reader is not None:
             os.close(self.end)

@@ -53,7 +53,7 @@ class TimelineFile:
         return writer
 
     def finish(self, summaries: Sequence[Mapping[str, Any]]) -> None:
-        """Write everything that waited for the end. Raises OSError where the disk is full."""
+        """Write everything that waited for the end. Raises OSError if the disk is full."""
         try:
             if all(run.instants for run, _, _ in self.runs):
                 self._finish(summaries)
@@ -168,6 +168,6 @@ class TimelineFile:
 
 
 def _ended(title: str, summary: Mapping[str, Any]) -> str:
-    """The title of a run, and how it ended where that was before its time."""
+    """The title of a run, and its status if it ended early."""
     status = summary.get("status", "finished")
     return title if status == "finished" else f"{title} ({status} at step {summary.get('steps', 0)})"

@@ -24,7 +24,7 @@ MAGIC = b"RRF"  # how recordings begin
 HOST = "127.0.0.1"
 SIZE = "1600x1000"
 MEMORY = "2GB"  # unlimited, the viewer takes three quarters of the machine
-MENU = 36  # pixels of the window's own bar, which says nothing about the recording
+MENU = 36  # pixels of the window's own bar, which is not part of the recording
 PATIENCE = 60.0  # seconds until the viewer has loaded a recording; software renderers are slow
 TRIES = 3  # the library waits 15 s for a picture
 NUDGES = 20  # draw requests to the viewer while one waits
@@ -37,7 +37,7 @@ NO_DRIVER = (
 
 
 def in_cell(file: Path) -> Any:
-    """A widget with the recording for a notebook's cell; None where there is no notebook, or no such widget."""
+    """A widget with the recording for a notebook's cell; None if there is no notebook, or no such widget."""
     if "ipykernel" not in sys.modules or find_spec("rerun_notebook") is None:
         return None
     from rerun.notebook import Viewer
@@ -50,7 +50,7 @@ def in_cell(file: Path) -> Any:
 def open_window(file: Path) -> None:
     """Start the viewer with the recording and leave it running.
 
-    Raises ValueError where `file` is no recording, RuntimeError where the viewer cannot start.
+    Raises ValueError if `file` is not a recording, RuntimeError if the viewer cannot start.
     """
     check_recording(file)
     port, step = _free_port(), step_to_open(file)
@@ -104,7 +104,7 @@ def write_picture(file: Path, png: Path, step: int | None, iteration: int | None
 
 
 def _save(client: Any, shot: Path) -> None:
-    """Save the picture of the whole window, with retries for a loaded machine. Raises RuntimeError where all fail."""
+    """Save the picture of the whole window, with retries for a loaded machine. Raises RuntimeError if all fail."""
     for _ in range(TRIES):
         try:
             client.save_screenshot(str(shot))
@@ -115,7 +115,7 @@ def _save(client: Any, shot: Path) -> None:
 
 
 def check_recording(file: Path) -> None:
-    """Raise ValueError where the file is no recording: the viewer would only show nothing."""
+    """Raise ValueError if the file is not a recording: the viewer would only show nothing."""
     with file.open("rb") as opened:
         if opened.read(len(MAGIC)) != MAGIC:
             raise ValueError("the file is not a recording of the rerun viewer")

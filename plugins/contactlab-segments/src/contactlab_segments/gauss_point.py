@@ -6,7 +6,7 @@ Contact holds in the mean, as in a mortar method: with N_j the hats of the slave
 
 where each Gauss point x_q of a slave segment has a foot y_q on the master, the closest point, whatever segment that is
 on. No overlap of segments is looked for: the sum takes the place of the integral, which is what makes the method cheap
-and simple. The cost: where a node of the master lies between two points the integrand has a kink that the sum does not
+and simple. The cost: if a node of the master lies between two points the integrand has a kink that the sum does not
 know, so a patch test fails by the error of the rule, of the order of the square of the segments over the number of
 points. The error affects forces along the slave; resultants and moments of both sides balance exactly.
 

@@ -69,7 +69,7 @@ class Midplane(Potential):
         return share
 
     def _deepest(self, view: PotentialView, positions: Floats) -> float:
-        """Largest mean overlap around a vertex, over its undeformed length; large where it is not a number."""
+        """Largest mean overlap around a vertex, over its undeformed length; large if it is not a number."""
         found = self._overlaps(view, positions)
         push = np.hypot(*found.derivative().T)
         return float(np.nan_to_num((push / view.length**2).max() / found.stiffness, nan=np.inf))
@@ -105,7 +105,7 @@ class Midplane(Potential):
 
     def _rubbed(self, view: PotentialView, positions: Floats) -> tuple[Ints, Floats, Floats, Floats, float]:
         """Points that rub: nodes (r, 4), weights (r, 8), slip (r,) over the last number [mm], bounds (r,) [N]."""
-        assert view.friction is not None  # the core asks for friction where there is some
+        assert view.friction is not None  # the core calls this only with friction
         found = self._overlaps(view, view.lagged)
         room = 4 * len(found.pairs)
         nodes, weight, force = np.zeros((room, 4), np.int32), np.zeros((room, 8)), np.zeros(room)

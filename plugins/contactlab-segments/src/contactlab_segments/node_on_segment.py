@@ -5,7 +5,7 @@ normal n of the master there,
 
     g = (x - y) . n >= 0,    y = a + eta (b - a),    eta = (x - a) . (b - a) / |b - a|^2,
 
-and where the gap is zero a pressure p may act: l p n on the node and -l p n on the master, shared between the ends of
+and if the gap is zero a pressure p may act: l p n on the node and -l p n on the master, shared between the ends of
 the segment as 1 - eta and eta, with l the length of slave that the node stands for. Forces and moments balance, and
 since the foot is the closest point neither its motion along the segment nor the turning of n changes g to first order:
 conditions of frictionless contact need no more than n and the shares.

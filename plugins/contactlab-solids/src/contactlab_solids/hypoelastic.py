@@ -23,7 +23,7 @@ class Hypoelastic(Material):
     young    Young's modulus [MPa]
     poisson  Poisson's ratio, -1 < poisson < 0.5
     density  of the undeformed body [t/mm3]
-    yield_stress  where the material would yield [MPa]: not used, but a run that goes beyond it says so
+    yield_stress  of the material [MPa]: not used, but a run that exceeds it warns
     """
 
     young: float
@@ -40,7 +40,7 @@ class Hypoelastic(Material):
         check_elastic(self.young, self.poisson, self.density, self.yield_stress)
 
     def elastic_limit(self) -> float:
-        """The yield stress [MPa]; inf where none is given."""
+        """The yield stress [MPa]; inf if none is given."""
         return elastic_limit(self.yield_stress)
 
     def stiffening(self, gradient: Floats, stress: Floats, out: Floats) -> None:

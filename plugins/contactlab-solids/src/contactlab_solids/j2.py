@@ -89,7 +89,7 @@ def trial(F: Any, history: Any, shear: Any) -> Any:
     elastic = F @ Tensor(mean + half, cross, cross, mean - half, 1.0) @ F.T()
     d, x = 0.5 * (elastic.xx - elastic.yy) / J, elastic.xy / J
     square = d * d + x * x
-    # asinh(r)/r of r^2, by its series where digits cancel
+    # asinh(r)/r of r^2, by its series if digits cancel
     if square < 1e-4:
         over = 1.0 - square * (1.0 / 6.0 - square * (3.0 / 40.0 - square * (5.0 / 112.0 - square * 35.0 / 1152.0)))
     else:

@@ -75,7 +75,7 @@ def _log_and_inverse(det):
 
 @point
 def wide_factor(r, det, mean, log_j):
-    """delta/r, and its limit 1/det where the in-plane elastic strain is a pure change of area."""
+    """delta/r, and its limit 1/det if the in-plane elastic strain is a pure change of area."""
     return (log(mean + r) + log_j) / r if r > 1e-14 * mean else 1.0 / det
 
 
@@ -234,7 +234,7 @@ def far_linear_return(gradient, history, stress, shear, bulk, yield_stress, hard
 
 @point
 def _near_step(mises, start, strong, shear, exponent, b2, b3, b4, b5, b6, b7, b8):
-    """Plastic step where it is small against `start` = e0 + ep.
+    """Plastic step that is small against `start` = e0 + ep.
 
     Newton from the tangent at the start, which is kept; b are the binomial coefficients of (1 + x)^n.
     """

@@ -21,7 +21,7 @@ class NeoHookean(Material):
     young    Young's modulus at small strain [MPa]
     poisson  Poisson's ratio at small strain, -1 < poisson < 0.5
     density  of the undeformed body [t/mm3]
-    yield_stress  where the material would yield [MPa]: not used, but a run that goes beyond it says so
+    yield_stress  of the material [MPa]: not used, but a run that exceeds it warns
     """
 
     young: float
@@ -36,7 +36,7 @@ class NeoHookean(Material):
         check_elastic(self.young, self.poisson, self.density, self.yield_stress)
 
     def elastic_limit(self) -> float:
-        """The yield stress [MPa]; inf where none is given."""
+        """The yield stress [MPa]; inf if none is given."""
         return elastic_limit(self.yield_stress)
 
     def stiffening(self, gradient: Floats, stress: Floats, out: Floats) -> None:

@@ -21,7 +21,7 @@ class ActiveSet(ImplicitEnforcement):
     not depend on it.
 
     scale   factor on c [-]
-    start   of friction where surfaces touch without a force yet: "slip" as under no friction, or "stick", for bodies
+    start   of friction if surfaces touch without a force yet: "slip" as under no friction, or "stick", for bodies
             that nothing but friction holds; it needs more iterations elsewhere
     forces  "consistent": normal forces act along the derivatives of the gaps, as explicit ones of that name do
             (docs/theory/contact-energy.md); in steps in time they make no energy and keep angular momentum, in statics

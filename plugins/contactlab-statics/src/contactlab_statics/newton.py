@@ -10,7 +10,7 @@ from contactlab.api import ImplicitIntegrator, ImplicitMotion
 from contactlab_statics.limits import refuse_limits
 
 STEPS = 10
-"""Load steps where the way matters and the scene names no number."""
+"""Load steps if the loading path matters and the scene sets no number."""
 
 ESTIMATE = 1e-4
 """Tolerance on coarser levels, whose meshes err by more."""

@@ -50,7 +50,7 @@ class Penalty(ImplicitEnforcement):
 class AugmentedLagrangian(ImplicitEnforcement):
     """Springs whose forces are taken over again and again, until gaps match exact multipliers (Uzawa).
 
-    factor  stiffness over the stiffness of the nodes in contact [-]; it decides how often, not where it ends
+    factor  stiffness over the stiffness of the nodes in contact [-]; it decides how often, not the result
     """
 
     augments: ClassVar[bool] = True

@@ -79,7 +79,7 @@ def hertz_on_quadratic_elements(subject: Subject) -> None:
 
 
 def incline_with_its_threshold(subject: Subject) -> None:
-    """A block on an incline slides with Coulomb's acceleration, and stays where mu is above tan of the angle."""
+    """A block on an incline slides with Coulomb's acceleration, and stays if mu is above tan of the angle."""
     answer(subject, Question("block-on-incline", INCLINE))
 
 

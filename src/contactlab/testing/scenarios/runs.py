@@ -65,7 +65,7 @@ def _stands_in_statics(subject: Subject) -> bool:
 
 
 def pressed(subject: Subject, mode: Mode, changes: Mapping[str, Any] | None = None) -> Scene:
-    """The scene with the part in its place. Raises NotApplicable where other parts of it are not installed."""
+    """The scene with the part in its place. Raises NotApplicable if other parts of it are not installed."""
     path = Path(str(files("contactlab") / "data" / "checks" / FILES[mode]))
     try:
         placed = {**_placed(subject, mode), **_fields(subject), **(changes or {})}
@@ -175,7 +175,7 @@ class Answers:
 
 
 def same(found: Answers, wanted: Answers, within: float, what: str) -> None:
-    """Raise AssertionError where answers differ by more than `within` of the largest."""
+    """Raise AssertionError if answers differ by more than `within` of the largest."""
     for name, unit in (("reaction", "N/mm"), ("pressure", "MPa"), ("shear", "MPa")):
         one, other = getattr(found, name), getattr(wanted, name)
         require(one.shape == other.shape, f"{what}: {len(one)} values of the {name}, expected {len(other)}")
