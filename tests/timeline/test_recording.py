@@ -509,8 +509,8 @@ def test_a_panel_alone(run: Results, tmp_path: Path) -> None:
     """It is named by a part of its name; a name that none has is refused, and leaves nothing."""
     read = again(run, tmp_path / "run", panel="Pressure on")
     assert "/run/mesh" in read.paths
-    there = r"there are: disc-on-block.*; events; nodes of disc.arc; scene"
-    with pytest.raises(ValueError, match=f"no panel is named like nothing; {there}"):
+    there = r"allowed: disc-on-block.*; events; nodes of disc.arc; scene"
+    with pytest.raises(ValueError, match=f"no panel has nothing in its name; {there}"):
         again(run, tmp_path / "other", panel="nothing")
     assert not list((tmp_path / "other").iterdir())
 

@@ -261,7 +261,7 @@ def test_runs_of_a_comparison_are_chosen_by_name(
 def test_a_panel_that_is_not_there(comparison: Path, capsys: pytest.CaptureFixture[str]) -> None:
     run = comparison / "runs" / "0"
     assert main(["view", str(run), "--panel", "nothing", "--png", str(run / "a.png")]) == 2
-    assert "--panel: no panel is named like nothing; there are: disc-on-block" in capsys.readouterr().err
+    assert "--panel: no panel has nothing in its name; allowed: disc-on-block" in capsys.readouterr().err
     assert not (run / "panel").exists()
     assert main(["view", str(run / "timeline.rrd"), "--panel", "energy", "--png", str(run / "a.png")]) == 2
     assert "panels are taken from results" in capsys.readouterr().err

@@ -222,7 +222,7 @@ class Driver:
         if record is None and run.cpu_limit < float("inf"):
             record = kept.record(run.limit_key, where)
         elif record is not None and run.timed and "calibration_s" not in record.summary:
-            return None  # its time is of a run that nobody prepared
+            return None  # its time is from a run without preparation
         return None if record is None else replace(record, summary={**record.summary, "known": True})
 
     def _fill(self) -> None:

@@ -63,7 +63,7 @@ Progress = Callable[[float, int, float, float], None]
 
 
 def made(job: Job, scene: Scene, folder: Path | None = None, progress: Progress | None = None) -> Record:
-    """Run one job; whatever becomes of it is its record."""
+    """Run one job and return its record, whatever the outcome."""
     from contactlab.run.interruption import Interrupted
     from contactlab.run.simulation import simulate
 

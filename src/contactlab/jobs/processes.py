@@ -43,7 +43,7 @@ Report = Callable[[Any], None]
 
 
 class ProcessDiedError(RuntimeError):
-    """A process ended without an answer; the text says how."""
+    """A process ended without an answer; the message says how."""
 
 
 class StoppedError(RuntimeError):
@@ -242,7 +242,7 @@ def _how_it_ended(found: re.Match[str] | None) -> str:
         return "the process ended before the run"
     name, code = found[1], int(found[2])
     if code >= 0:
-        return f"the process exited with status {code} before the run ended"
+        return f"the process stopped with exit status {code} before the run ended"
     hint = ", perhaps because memory ran out" if name == "SIGKILL" else ""
     return f"the process was killed by {name if name != 'UNKNOWN' else f'signal {-code}'}{hint}"
 

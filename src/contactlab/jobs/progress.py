@@ -7,7 +7,7 @@ class Progress:
     """Progress that shows nothing; subclasses override. `begun`, `advance` and `say` are called from any thread."""
 
     def say(self, text: str) -> None:
-        """Show what happens before the first step, such as compilation; an empty text takes it away."""
+        """Show what happens before the first step, such as compilation; an empty string removes it."""
 
     def begun(self, name: str) -> None:
         """Show that a run has begun."""

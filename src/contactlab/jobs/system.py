@@ -27,7 +27,7 @@ def system_facts() -> dict[str, str | int]:
 
 @cache
 def commit() -> str:
-    """Commit of the sources, with "-dirty" after changes; empty if this is no checkout or there is no git."""
+    """Commit of the sources, with "-dirty" after changes; empty without a checkout or without git."""
     words = ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty", "--exclude=*"]
     try:
         return subprocess.run(words, capture_output=True, text=True, check=True).stdout.strip()

@@ -137,7 +137,7 @@ def _cost(variant: Variant, plan: BreakdownPlan, base: Record, other: Record, jo
     rich, poor = (base, other) if variant.declared else (other, base)
     step, run, memory = (a - b for a, b in zip(_costs(rich), _costs(poor), strict=True))
     if _implicit(rich) != _implicit(poor):
-        step = math.nan  # a load step is no time step
+        step = math.nan  # a load step is not a time step
     named = (variant.effect, variant.declared)
     if not all(carried_load(run.status, applied_share(run.summary)) for run in (base, other)):
         return EffectCost(*named, step, status=other.status, reason=other.reason)

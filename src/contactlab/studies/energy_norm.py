@@ -30,7 +30,7 @@ def energy_distance(coarse: Ended, fine: Ended, fine_scene: Any, body: str) -> f
     """sqrt(a(u - v, u - v)) [sqrt(N)] of a body between two runs of one scene.
 
     The coarse field is interpolated to the fine nodes, which loses nothing if the coarse mesh is `q1` on an
-    upright rectangle and its lines are lines of the fine mesh. Raises ValueError if the body is no such grid.
+    upright rectangle and its lines are lines of the fine mesh. Raises ValueError for any other body.
     """
     difference = fine.displacement.copy()
     own, other = np.unique(fine.cells[body]), np.unique(coarse.cells[body])
@@ -52,7 +52,7 @@ def _interpolated(nodes: Floats, values: Floats, at: Floats) -> Floats:
     x, column = np.unique(nodes[:, 0].round(ROUND), return_inverse=True)
     y, row = np.unique(nodes[:, 1].round(ROUND), return_inverse=True)
     if len(x) * len(y) != len(nodes):
-        raise ValueError(f"a body of {len(nodes)} nodes is no upright grid of {len(x)} by {len(y)} lines")
+        raise ValueError(f"a body of {len(nodes)} nodes is not an upright grid of {len(x)} by {len(y)} lines")
     grid = np.empty((len(x), len(y), 2))
     grid[column, row] = values
     return np.asarray(RegularGridInterpolator((x, y), grid)(at.round(ROUND)))

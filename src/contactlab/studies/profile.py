@@ -19,7 +19,7 @@ _GAUSS = 0.5 / np.sqrt(3.0)
 
 
 class FoldedSurfaceError(ValueError):
-    """The pressed part of a surface turns back in x, so its pressure is no function of x."""
+    """The pressed part of a surface turns back in x, so its pressure is not a function of x."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Profile:
             # Sides of a body may stand upright as long as nothing presses there.
             ordered = _in_order(*_pressed_part(x, value))
         if ordered is None:
-            raise FoldedSurfaceError("the pressed surface turns back in x; its pressure is no function of x")
+            raise FoldedSurfaceError("the pressed surface turns back in x; its pressure is not a function of x")
         return cls(*ordered)
 
     def __call__(self, x: Floats) -> Floats:

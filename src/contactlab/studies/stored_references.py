@@ -1,4 +1,4 @@
-"""The references in `data/references` as parts, which come by entry point like anyone's."""
+"""The references in `data/references` as parts, which come by entry point as all parts do."""
 
 from __future__ import annotations
 

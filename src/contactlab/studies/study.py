@@ -131,7 +131,7 @@ _VARY = "scene keys and lists of values, such as level = [1, 2], or ranges: { li
 
 
 def checked_vary(vary: Mapping[str, tuple[Any, Where]]) -> dict[str, tuple[Any, ...]]:
-    """Lists of values by scene key. Raises RequestError for what is no list, empty, or named twice."""
+    """Lists of values by scene key. Raises RequestError for other values, empty lists, or keys named twice."""
     lists = expanded(vary)
     found = {name: _checked_values(values, where) for name, (values, where) in lists.items()}
     checked_ties({name: (values, lists[name][1]) for name, values in found.items()})

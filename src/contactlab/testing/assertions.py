@@ -12,11 +12,11 @@ import numpy as np
 
 
 class NotApplicable(SkipTest):
-    """The part declares that it does not offer the checked property; the text is the reason."""
+    """The part declares that it does not offer the checked property; the message is the reason."""
 
 
 class Expected(SkipTest):
-    """The part misses what it never promised; the text gives the finding and the declaration."""
+    """The part misses what it never promised; the message gives the finding and the declaration."""
 
 
 class Undeclared(UserWarning):

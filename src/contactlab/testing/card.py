@@ -48,7 +48,7 @@ def write_cards(reports: Sequence[PartReport], folder: Path) -> None:
     found = {"python": platform.python_version()} | {name: version(name) for name in LIBRARIES}
     for origin in sorted({report.origin for report in reports}):
         name, _, number = origin.rpartition(" ")
-        if name and not origin.endswith(".py"):  # a file is no distribution: its hash identifies it
+        if name and not origin.endswith(".py"):  # a file is not a distribution: its hash identifies it
             found[name] = number
     data = {
         "date": datetime.now(UTC).strftime("%Y-%m-%d"),

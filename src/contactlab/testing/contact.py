@@ -249,7 +249,7 @@ def _pieces(algorithm: Any, at: Chains) -> tuple[Pieces, int, int]:
     near = near_segments(sides.slave, at.slave.segments, sides.master, at.master.segments, 2.0 * reach)
     capacity = algorithm.capacity(at.slave, near)
     m = len(at.slave.nodes)
-    # far more room than promised: a broken promise is to be seen, and compiled code writes where it likes
+    # far more room than promised: a broken promise must be detected, and compiled code checks no bounds
     room = capacity + 4 * len(near.master) + 4 * m
     out = Pieces.allocate(room, algorithm.widths(at.slave, at.master), m * algorithm.rows_per_node)
     memory = np.zeros((algorithm.memory_size, m))

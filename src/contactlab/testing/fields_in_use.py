@@ -69,7 +69,7 @@ def _of(item: Any, module: str) -> Iterator[CodeType]:
     elif isinstance(item, type) and item.__module__ == module:
         formulas = vars(item).get("__formulas__", {})
         for name, value in (*vars(item).items(), *formulas.items()):
-            # limits of a field are no use of it; what is kept in other attributes is one
+            # limits of a field are not a use of it; values kept in other attributes are
             checks_only = name == "__post_init__" and "__setattr__" not in value.__code__.co_names
             if name not in CONSTRUCTION and not checks_only:
                 yield from _of(value, module)

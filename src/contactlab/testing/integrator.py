@@ -112,7 +112,7 @@ def ledger_closes(integrator: AnyIntegrator) -> None:
         integrator, MASS, STIFFNESS, velocity=START, damping=0.3, force=lambda time: time * START, prescribed=held
     )
     model.run(500, 0.02)
-    agree(model.unexplained_energy(), 0.0, 1e-11, "energy ledger after 500 steps (round-off of sums up to a hundred)")
+    agree(model.unexplained_energy(), 0.0, 1e-11, "energy balance after 500 steps (round-off of sums up to a hundred)")
 
 
 def velocities_are_where_declared(integrator: AnyIntegrator) -> None:

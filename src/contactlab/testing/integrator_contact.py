@@ -40,7 +40,7 @@ def pressed_masses_rest(integrator: AnyIntegrator) -> None:
             "contact forces must act on velocities, too",
         )
     agree(borne, LOAD, 0.01 * LOAD.max(), "contact forces in `contact_force`, mean over 100 steps, and the load")
-    agree(model.unexplained_energy(), 0.0, CLOSES, "energy ledger")
+    agree(model.unexplained_energy(), 0.0, CLOSES, "energy balance")
 
 
 def contact_stops_what_falls(integrator: AnyIntegrator) -> None:
@@ -55,11 +55,11 @@ def contact_stops_what_falls(integrator: AnyIntegrator) -> None:
     require(lowest >= -0.2 - dt, f"masses that fall at speed 1 are {-0.2 - lowest:.3e} below the floor, allowed {dt:g}")
     after = MASS[:, None] * model.state["velocity"]
     agree(after - before, impulse, 1e-9, "change of momentum, and the sum of contact forces times the step")
-    agree(model.unexplained_energy(), 0.0, CLOSES, "energy ledger")
+    agree(model.unexplained_energy(), 0.0, CLOSES, "energy balance")
 
 
 def contact_makes_no_energy(integrator: AnyIntegrator) -> None:
-    """Masses on springs that hit a floor once a period rise no higher than before, and the ledger closes."""
+    """Masses on springs that hit a floor once a period rise no higher than before, and the energy balance closes."""
     _moving(integrator)
     upward = np.array([0.0, 1.0])
     model = Oscillator(integrator, MASS, STIFFNESS, velocity=np.tile(upward, (3, 1)), clearance=0.1 * np.ones(3))
@@ -67,11 +67,11 @@ def contact_makes_no_energy(integrator: AnyIntegrator) -> None:
     first, last = path[:400].max(axis=0), path[-400:].max(axis=0)
     # of an amplitude of one over the frequency; 1e-2 for crests that are met between two steps
     require((last <= 1.01 * first).all(), f"amplitudes grow from {first} to {last} by meeting a floor")
-    agree(model.unexplained_energy(), 0.0, CLOSES, "energy ledger after 4000 steps")
+    agree(model.unexplained_energy(), 0.0, CLOSES, "energy balance after 4000 steps")
 
 
 def friction_takes_the_energy_of_what_slides(integrator: AnyIntegrator) -> None:
-    """A mass that slides on a floor stops after v^2 m/(2 mu N), and the ledger counts its energy as friction."""
+    """A mass that slides on a floor stops after v^2 m/(2 mu N), and its energy is counted as friction."""
     _moving(integrator)
     mu, dt = 0.25, 0.005
     speed = np.array([[1.0, 0.0], [0.5, 0.0], [-0.8, 0.0]])
@@ -95,9 +95,9 @@ def friction_takes_the_energy_of_what_slides(integrator: AnyIntegrator) -> None:
         agree(left, NONE, STANDS, "speed after friction has stopped the masses")
     energy = float(0.5 * MASS @ speed[:, 0] ** 2)
     friction, slip = float(model.state["work"][4]), float(model.state["work"][6])
-    agree(friction, -energy, 0.02 * energy, "work of friction in the ledger, and the kinetic energy that it took")
-    agree(slip, energy, 0.02 * energy, "dissipation in the ledger (-y_t times slip)")
-    agree(model.unexplained_energy(), 0.0, CLOSES, "energy ledger")
+    agree(friction, -energy, 0.02 * energy, "friction in the energy balance, and the kinetic energy that it took")
+    agree(slip, energy, 0.02 * energy, "dissipation in the energy balance (-y_t times slip)")
+    agree(model.unexplained_energy(), 0.0, CLOSES, "energy balance")
 
 
 def statics_are_in_equilibrium(integrator: AnyIntegrator) -> None:

@@ -162,7 +162,7 @@ def outlives_empty_contacts(measure: RunMeasure) -> None:
 
 
 def follows_from_the_run(measure: RunMeasure) -> None:
-    """Other numbers in the record, or in the reference, give another number; what it cannot know is no number."""
+    """Other numbers in the record, or in the reference, give another number; unknown values give NaN."""
     plain = measure.evaluate(record(), CONTACT, solution())
     other = measure.evaluate(spoilt(record()), CONTACT, solution())
     against = replace(solution(), pressure=1.7 * solution().pressure, scalars={"reaction": Scalar(77.0, 0.1)})

@@ -27,7 +27,7 @@ UNITS: Mapping[str, str] = {"slip_rate": "mm/s", "dt": "s", "time": "s", "positi
 
 def _law(enforcement: Enforcement) -> NormalLaw:
     if not isinstance(enforcement, NormalLaw):
-        raise NotApplicable("the enforcement is no normal law")
+        raise NotApplicable("the enforcement is not a normal law")
     return enforcement
 
 

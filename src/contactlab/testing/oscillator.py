@@ -163,7 +163,7 @@ class Oscillator:
         return self.broken
 
     def iterated(self) -> None:
-        """Do nothing: nobody records it."""
+        """Do nothing: nothing is recorded."""
 
     def accept(self) -> None:
         """Count it: all that changes is the state."""
@@ -178,7 +178,7 @@ class Oscillator:
         return float(0.5 * self.mass @ (self.state["velocity"] ** 2).sum(axis=1))
 
     def unexplained_energy(self) -> float:
-        """Kinetic energy and works that the ledger does not close with [mJ]."""
+        """Kinetic energy and works that the energy balance leaves unexplained [mJ]."""
         internal, external, damping, contact, friction, numerical = self.state["work"][:6]
         change = self.kinetic_energy() - self.initial_energy + internal + damping + numerical
         return float(change - external - contact - friction)

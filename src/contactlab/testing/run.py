@@ -33,7 +33,7 @@ class Outcome:
 
 
 def checks_for(kind: str, cls: type | None = None) -> tuple[Check, ...]:
-    """The checks of a kind; none for what is no kind of part. Potentials set no conditions and have their own."""
+    """The checks of a kind; none for any other string. Potentials set no conditions and have their own."""
     if kind not in KINDS:
         return ()
     room = "potential" if cls is not None and issubclass(cls, Potential) else kind

@@ -18,7 +18,7 @@ def scale_of(part: Any, name: str, otherwise: float) -> float:
     if not field:
         return otherwise
     known = [one.name for one in dataclasses.fields(part)]
-    require(field in known, f"{name}: got {field!r}, which is no field; allowed: {', '.join(known)}")
+    require(field in known, f"{name}: got {field!r}, allowed: fields of the part: {', '.join(known)}")
     value = getattr(part, field)
     sound = isinstance(value, int | float) and math.isfinite(value) and value > 0.0
     require(sound, f"{name}: its field {field} is {value!r}, allowed: a number above 0")

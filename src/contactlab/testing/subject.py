@@ -26,7 +26,7 @@ class Subject:
 
     @property
     def spec(self) -> dict[str, Any]:
-        """The part as a scene names it. Raises NotApplicable naming a field that nobody gives."""
+        """The part as a scene names it. Raises NotApplicable naming a field without a value."""
         return example_spec(self.registry, self.kind, self.name, {**self.guessed, **self.given})
 
     @property

@@ -1,4 +1,4 @@
-"""Pictures, frames and HTML of scenes and results, made above them and imported when somebody looks.
+"""Pictures, frames and HTML of scenes and results, made above them and imported when they are shown.
 
 What holds data knows the name of a view alone, so that no run imports anything that draws.
 """

@@ -204,7 +204,7 @@ def test_a_damaged_record_is_named_and_made_again(run_of: RunOf, made: list[str]
     data[data.index(blob[:64]) + 40] ^= 4
     path.write_bytes(data)
     made.clear()
-    with pytest.warns(ContactlabWarning, match="runs: run 2.*is run again"), Driver(tmp_path) as driver:
+    with pytest.warns(ContactlabWarning, match="runs: run 2.*are run again"), Driver(tmp_path) as driver:
         assert driver.result(total([run_of(1.0), run_of(2.0)])) == 3.0
     assert made == ["run 2"]
     assert list(tmp_path.glob(f"{FILE}.damaged-*"))

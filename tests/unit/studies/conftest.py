@@ -74,7 +74,7 @@ def fake_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Modul
     import fake_runs
 
     def die() -> None:
-        raise ProcessDiedError("the process left with exit status 3 before the run was over")
+        raise ProcessDiedError("the process stopped with exit status 3 before the run ended")
 
     monkeypatch.setattr(fake_runs, "die", die)
     monkeypatch.setattr(driver, "perform", fake_runs.perform)

@@ -78,7 +78,7 @@ class DiscWithFriction(Case):
         )
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """From the reaction of the disc's support, and the energy ledger of all three runs."""
+        """Evaluate the reaction of the disc's support, and the energy balance of all three runs."""
         force = {name: abs(float(record.reaction("disc.top")[1])) for name, record in done.items()}
         contacts = [record.summary["contacts"]["contacts.0"] for record in done.values()]
         return {

@@ -106,7 +106,7 @@ class PressedBlock(Case):
         return (Job("pressed", "dropped-block", changes, ("contact-changes",), work=WORK),)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """Every cycle is like the other, and no energy comes from contact."""
+        """All cycles are equal, and no energy comes from contact."""
         return (
             at_most("largest force, change from the second to the last", 1e-3, "damped vibrations of the first cycle"),
             _energy(f"{GAIN} over that stored", self.forces),

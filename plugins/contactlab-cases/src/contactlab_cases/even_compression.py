@@ -31,7 +31,7 @@ class EvenCompression(ReferenceSolution):
         try:
             return next(_mismatches(scene), "")
         except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
-            return f"it is no scene of two layers: {type(error).__name__} {error}"
+            return f"it is not a scene of two layers: {type(error).__name__} {error}"
 
     def solution(self, scene: Mapping[str, Any]) -> Solution:
         """Return a uniform pressure over the common width."""
@@ -66,7 +66,7 @@ def _mismatches(scene: Mapping[str, Any]) -> Iterator[str]:
 def _mismatches_of_a_body(layers: _Layers, role: str, name: str) -> Iterator[str]:
     """Yield reasons why a body does not have a uniform strain along y."""
     if layers.mesh(role)["use"] != "rectangle" or len(layers.mesh(role)["x"]) != 2 or len(layers.mesh(role)["y"]) != 2:
-        yield f"body {name} is no rectangle"
+        yield f"body {name} is not a rectangle"
     if layers.bodies[name].get("rotate", 0.0):
         yield f"body {name} is turned"
     if layers.law(role)["use"] != "linear-elastic":

@@ -31,7 +31,7 @@ class MeshRatio(Case):
     margin: ClassVar[tuple[str, float] | None] = ("ratio", 100.0)
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """The pair, and one with like meshes of sixteen cells."""
+        """Plan the pair, and another with matching meshes of sixteen cells."""
         longest = HALF_WIDTH / 8.0 / setup.level
         block = longest / max(1.0, self.ratio)
         alike = replace(setup, element="q1")

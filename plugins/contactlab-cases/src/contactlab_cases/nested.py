@@ -68,7 +68,7 @@ def relative(found: Floats, exact: Floats) -> float:
 def joint(
     setup: Setup, bodies: dict[str, Any], inner: str, outer: str, contact: Mapping[str, Any]
 ) -> list[dict[str, Any]]:
-    """Contacts of a joint all around. A closed curve is no chain of slaves, so the slave is cut in two halves.
+    """Contacts of a joint all around. A closed curve cannot be a slave, so the slave is cut in two halves.
 
     Adds the halves to `bodies`. `inner` and `outer` are "body.edge_set"; the inner one is the declared slave.
     """

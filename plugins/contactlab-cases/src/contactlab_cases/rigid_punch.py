@@ -63,7 +63,7 @@ class RigidPunch(Case):
                 min(0.005, 0.03 * size),
                 "cells are graded to the edges: 0.3 to 0.45 % is left",
             ),
-            error("pressure in the middle", min(0.005, 0.02 * size), "a block of ten half-widths is no half-plane"),
+            error("pressure in the middle", min(0.005, 0.02 * size), "a block of ten half-widths is not a half-plane"),
             at_most("undershoot over the largest pressure", most, "caused by a single nodal force at its neighbours"),
             reported("iterations"),
         )

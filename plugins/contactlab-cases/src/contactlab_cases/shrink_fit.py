@@ -65,7 +65,7 @@ class ShrinkFit(Case):
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
         """The mean of the pressure, and how far nodes differ from it."""
-        why = "strains of 0.1 %, bilinear rings of 8 cells; with like meshes facets fit, else a run must warn of them"
+        why = "strains of 0.1 %, bilinear rings of 8 cells; with matching meshes facets fit, else runs must warn"
         codes = ("coarse-facets", "pressure-saw")
         return [
             error("mean pressure", 0.01, why, codes=codes),

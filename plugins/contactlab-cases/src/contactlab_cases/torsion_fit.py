@@ -1,8 +1,8 @@
 """A ring that is pressed onto another and turned by a shear on its outside: torque, twist and traction are exact.
 
 No moment is lost on the way: the shear between the rings is the outside's times (c/b)^2, and nothing slips where
-it is below mu p. A closed curve is no chain of slaves: the slave is cut in two halves, and where they meet two
-conditions hold one node, which share its traction as they like. Tractions are compared away from there.
+it is below mu p. A closed curve cannot be a slave: the slave is cut in two halves, and where they meet two
+conditions hold one node, which share its traction arbitrarily. Tractions are compared away from there.
 """
 
 from __future__ import annotations

@@ -106,7 +106,7 @@ def solve_active(count, rows, compliance, multipliers, force, tolerance, limit):
     for i in range(count):
         y[i] = multipliers[0, rows.slot[i]]
         if scale[i] == 0.0:
-            return 0, np.inf, 0.0  # nothing there can give way: a matter for the sweeps
+            return 0, np.inf, 0.0  # nothing there can move: left to the sweeps
     # every own node counts once and in no column: nothing but the band joins conditions
     band = np.empty((0, 4, count))
     if columns + once == nodes:
@@ -198,7 +198,7 @@ def begin_descent(gaps, search):
 
 @section
 def drop_round_off(y, scale, size, tolerance):
-    """A force that a condition about to open keeps by round-off alone is no tension: it is set to zero."""
+    """A force that a condition about to open keeps by round-off alone is not tension: it is set to zero."""
     for i in range(y.size):
         if y[i] < 0.0 and -scale[i] * y[i] <= tolerance * size[i]:
             y[i] = 0.0

@@ -52,7 +52,7 @@ def solve_gradients(count, rows, compliance, multipliers, force, tolerance, limi
     for i in range(count):
         y[i] = multipliers[0, rows.factors.slot[i]]
         if scale[i] == 0.0:
-            return 0, np.inf, 0.0  # nothing there can give way: a matter for the sweeps
+            return 0, np.inf, 0.0  # nothing there can move: left to the sweeps
     passes, residual = _sets(rows, soft, y, scale, (nodal, moment, carried), tolerance, limit)
     if residual > tolerance:
         return passes, residual, 0.0

@@ -20,7 +20,7 @@ class Q1Reduced(Element):
     stiffness is taken from the shear modulus: scaled by lambda + 2 mu it would lock near poisson = 0.5.
 
     hourglass  stiffness of the modes over the shear modulus [-]; 0.035 to 0.18 is 1 to 5 % of lambda + 2 mu at
-               poisson = 0.3. Their energy stands in the ledger as numerical: judge it there.
+               poisson = 0.3. The energy balance has their energy as numerical: judge it there.
     """
 
     hourglass: float = 0.1

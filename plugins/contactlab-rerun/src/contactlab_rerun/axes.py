@@ -19,7 +19,7 @@ BOX = (np.array([-0.22, -0.22]), np.array([WIDTH + 0.1, 1.14]))
 
 INK, GREY = (205, 210, 216), (74, 80, 88)
 DASHES = 40  # in a dashed line
-GRAIN = 2.0**-11  # of a plot's height: what is finer nobody sees, and it takes room
+GRAIN = 2.0**-11  # of a plot's height: finer details are invisible and take room
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class Axes:
 
 
 def labels(at: Sequence[np.ndarray], texts: Sequence[str], colour: tuple[int, ...] = INK) -> rr.Points3D:
-    """Draw texts at points."""
+    """Draw strings at points."""
     return rr.Points3D(np.array(at, np.float32), labels=list(texts), radii=[0.0], colors=[colour], show_labels=True)
 
 

@@ -82,7 +82,7 @@ def _alone(layout: rrb.Container, panel: str) -> rrb.Container:
     names = {str(view.name): view for view in views}
     wanted = [view for name, view in names.items() if panel.lower() in name.lower()]
     if not wanted:
-        raise ValueError(f"no panel is named like {panel}; there are: {'; '.join(names)}")
+        raise ValueError(f"no panel has {panel} in its name; allowed: {'; '.join(names)}")
     # the title of a run may have the word in it, too: "node-on-segment"
     first = min(wanted, key=lambda view: str(view.name).lower().index(panel.lower()))
     return rrb.Horizontal(names.get(panel, first))
@@ -231,7 +231,7 @@ def _work_view(shown: Sequence[Shown], parts: Sequence[str], legend: bool = Fals
 
 
 def _reaction_view(shown: Sequence[Shown], name: str) -> rrb.TimeSeriesView | None:
-    """The same component of the same support in all runs: the one that is largest at their ends."""
+    """View of one reaction component of one support in all runs: the largest at their ends."""
     ends: dict[str, float] = {}
     for one in shown:
         last = one.run.instants[-1].scalars

@@ -150,7 +150,7 @@ class Gathered:
         curves = [instant.curves[name] for instant in self.instants]
         columns = ("x", "y", "pressure", "shear", "gap", "state")
         found = {column: np.array([getattr(curve, column) for curve in curves]) for column in columns}
-        # multipliers of open nodes balance their neighbours and are no traction
+        # multipliers of open nodes balance their neighbours and are not tractions
         closed = found["state"] > 0
         found["pressure"] = np.where(closed, found["pressure"], [curve.nodal_pressure for curve in curves])
         found["shear"] = np.where(closed, found["shear"], 0.0)
@@ -199,7 +199,7 @@ def state_names(frictional: bool) -> tuple[str, ...]:
 
 
 def entity_name(text: str) -> str:
-    """Make a text usable as one part of an entity path."""
+    """Make a string usable as one part of an entity path."""
     return re.sub(r"[^\w.=+-]+", "-", text).strip("-") or "run"
 
 

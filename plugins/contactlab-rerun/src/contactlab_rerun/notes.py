@@ -220,7 +220,7 @@ def what_to_look_for(run: Gathered) -> list[str]:
     if window := run.window():
         lines.append(f"- Steps {window[0]} to {window[1]} have all fields: move the cursor step by step there.")
     if run.records:
-        lines.append("- A stripe in *master segment under each node*: a node that goes to and fro, how chatter begins.")
+        lines.append("- A stripe in *master segment under each node*: a node alternates, as chatter begins.")
         lines.append("- *Pressure*: teeth from node to node are the method's, a smooth arch is the contact's.")
     if run.layout.contacts:
         lines.append("- *nodes of* the slave: gap, multipliers, state and segment of each at the cursor, as numbers.")

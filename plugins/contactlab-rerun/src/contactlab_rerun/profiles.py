@@ -131,7 +131,7 @@ def curves_of(run: Gathered, contact: str, nodes: int) -> Curves:
     rows = rows[~np.isin(rows["step"], step)]
     order = np.argsort(np.concatenate([step, rows["step"]]), kind="stable")
     shear = rows["shear"] if "shear" in (rows.dtype.names or ()) else np.zeros_like(rows["pressure"])
-    # what balances neighbours of open nodes is no traction
+    # values that balance neighbours of open nodes are not tractions
     pressure, shear = (np.where(rows["state"] > 0, values, 0.0) for values in (rows["pressure"], shear))
     both = (
         (step, rows["step"]), (time, rows["time"]), (surface.pressure, pressure), (surface.shear, shear),

@@ -57,7 +57,7 @@ class FileStream:
 
 
 def drop_streams() -> None:
-    """End the threads and free the memory of all streams that nobody holds any more.
+    """End the threads and free the memory of all streams that are no longer in use.
 
     The library keeps every stream of a process, with two threads, until it is initialised again.
     """

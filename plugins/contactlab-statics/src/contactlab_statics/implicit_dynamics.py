@@ -25,7 +25,7 @@ class ImplicitDynamics(ImplicitIntegrator):
     damping of its own.
 
     steps        equal steps to try for the whole run; not written: 500, and at least 10 for each way of a value that
-                 goes to and fro
+                 alternates
     tolerance    as with `newton`: residuals at which a step is accepted
     iterations   most iterations of a step before it is cut
     dissipation  share of a step by which stresses lead its middle: a viscosity of stiffness times

@@ -21,7 +21,7 @@ class Newton(ImplicitIntegrator):
     """Equilibrium at the end of every load step, without inertia.
 
     steps       equal load steps to try for the whole loading; failed ones are cut, easy ones grow back. Not written:
-                10, and 10 for each way of a loading that goes to and fro, or none on the path if the end does not
+                10, and 10 for each way of an alternating loading, or none on the path if the end does not
                 depend on it
     nested      if the end does not depend on the loading path and `steps` is not written, coarser levels of the
                 meshes are solved first, each from the level before, and only the end (and where the loading turns)

@@ -72,7 +72,7 @@ def _refuse_factor(factor: float) -> None:
 def springs(conditions: Conditions, factor: float, anchor: Floats, out: Response) -> None:
     """Fill `out` for springs with normal forces `anchor` (k,) [N] at zero gap.
 
-    Springs are exact multipliers of the gaps g + (y - a)/e and slips d + (y_t - a_t)/e: statuses are decided alike, so
+    Springs are exact multipliers of the gaps g + (y - a)/e and slips d + (y_t - a_t)/e: states are decided alike, so
     that stiff springs need no more iterations than none.
     """
     softness = np.where(conditions.present, 1.0 / (factor * conditions.stiffness), 0.0)

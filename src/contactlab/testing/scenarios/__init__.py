@@ -13,7 +13,7 @@ Scenario = Callable[[Subject], None]
 
 
 def scenarios_for(kind: str) -> tuple[Scenario, ...]:
-    """The scenarios of a kind; none for what is no kind of part."""
+    """The scenarios of a kind; none for any other string."""
     if kind not in KINDS:
         return ()
     table: dict[str, tuple[Scenario, ...]] = importlib.import_module(f"{__name__}.by_kind").SCENARIOS

@@ -55,14 +55,14 @@ class Renumbering(Registry):
 SAME: dict[Mode, float] = {"explicit": 1e-8, "statics": 1e-6}
 """Shares of the largest value: round-off of 100 steps with contact solved to 1e-10 of a segment; Newton's tolerance."""
 SPRINGS = 0.01
-"""Springs are as stiff as nodes are along the axes, so that they give way a little differently in a turned scene."""
+"""Springs are as stiff as nodes are along the axes, so that they deflect a little differently in a turned scene."""
 OF_WEAK_CONDITIONS = {"pressure-integral", "pressure-saw", "shear-saw", "penetration"}
 """Codes of what an algorithm does not promise that fails the patch test."""
 TURN, SHIFT = 30.0, (37.0, -23.0)
 
 
 def comes_to_its_end(subject: Subject) -> None:
-    """A coarse contact with friction comes to its end, and breaks nothing that no run may break."""
+    """A coarse contact with friction finishes, and breaks no invariant."""
     missed: list[str] = []
     excused = _not_promised(subject)
     for mode in modes_of(subject):
@@ -77,7 +77,7 @@ def comes_to_its_end(subject: Subject) -> None:
             else:
                 require(measure.met(value), said)
     if missed:
-        why = "a potential gives way" if _passes_patch_test(subject) else "passes_patch_test is False"
+        why = "a potential is compliant" if _passes_patch_test(subject) else "passes_patch_test is False"
         raise Expected(f"{'; '.join(missed)}; {why}")
 
 
