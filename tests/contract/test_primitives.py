@@ -88,7 +88,7 @@ UNKICKED = "asks for contact forces without a kick"
             DRIFT,
             f"{DRIFT}{NEXT}motion.kick(dt)",
             True,
-            "kicks again beside contact, needed: one kick a step",
+            "kicks again with contact, needed: one kick a step",
         ),
         ("=dt", "=0.5 * dt", True, "drifts for 0.1 s, and asked for contact 0.05 s ahead, needed: the same time"),
         # without contact, or the time of contact is named first

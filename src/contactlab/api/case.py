@@ -1,4 +1,4 @@
-"""Cases: problems with known answers for contact algorithms.
+"""Cases: benchmark problems with known solutions for contact algorithms.
 
 A case is data: it plans runs, names their measures, and evaluates the records of the runs. It never runs anything
 itself, so that it can be pickled, hashed and sent to another process.
@@ -16,7 +16,7 @@ from contactlab.api.record import Record
 from contactlab.api.reference import Solution
 
 Spec = str | Mapping[str, Any]
-"""A part as a scene writes it: its name, or a table with `use` and fields."""
+"""A plugin component as a scene writes it: its name, or a table with `use` and fields."""
 
 Changes = Mapping[str, Any]
 """Values at dotted keys of a scene, as `Scene.with_` takes them; None removes the key."""
@@ -26,12 +26,12 @@ Changes = Mapping[str, Any]
 class Setup:
     """The choices with which a case is run: one cell of the matrix.
 
-    algorithm   of every contact of the case
-    swap        whether slave and master are exchanged from what the case declares
-    element     of the bodies, one of `Case.elements`
+    algorithm   for every contact of the case
+    swap        True if slave and master are exchanged from the declaration of the case
+    element     for the bodies, one of `Case.elements`
     integrator  one of `Case.integrators`
     level       1 for the meshes of the quick matrix; the case decides what a higher level refines
-    enforcement of every contact, whatever the case writes; empty for what the case or the integrator has
+    enforcement of every contact, whatever the case writes; empty for the default of the case or integrator
     """
 
     algorithm: Spec
@@ -42,7 +42,7 @@ class Setup:
     enforcement: Spec = ""
 
     def changes(self, *bodies: str, contacts: int = 1) -> dict[str, Any]:
-        """These choices as changes of a scene with `contacts` contacts; `bodies` are those that take the element."""
+        """Return these choices as changes of a scene with `contacts` contacts; `bodies` have the element."""
         found: dict[str, Any] = {f"bodies.{body}.element": self.element for body in bodies}
         found["integrator"] = self.integrator
         for number in range(contacts):
@@ -52,17 +52,17 @@ class Setup:
 
 @dataclass(frozen=True)
 class Job:
-    """One run.
+    """A planned run of a case.
 
     name     unique among the jobs of a case
     scene    name of a bundled scene, or a scene as plain tables
-    changes  of that scene
-    watch    parts of kind watch; each is found in the record by the key `name` of its table, else by its `use`
+    changes  to the scene
+    watch    callbacks of kind watch; the key `name` of the table names each in the record, or else its `use`
     work     steps and iterations after which the run is stopped and not judged
-    guards   False for a run that is meant to do what guards stop; it can miss a criterion but is never silent
-    fields   whether the record keeps the fields at the end of the run
+    guards   False for a run that does on purpose what guards stop; it can miss a criterion but is never silent
+    fields   True if the record keeps the fields at the end of the run
     frames   number of stored frames
-    curves   whether the record keeps the curves of all stored frames, or of the last one
+    curves   True if the record keeps the curves of all stored frames, or of the last frame
     """
 
     name: str
@@ -81,10 +81,10 @@ class Answer:
     """The known value of a measure.
 
     value        [unit of the measure]
-    uncertainty  of it, as a fraction
+    uncertainty  as a fraction of the value
     kind         "exact", "two-discretisations", "other-code" or "finest" (our own finest mesh)
     origin       paper, equation or program
-    level        of the finest of the own runs that it is made of; None where it is made of none
+    level        finest level of our own runs behind the value; None without own runs
     """
 
     value: float
@@ -94,10 +94,10 @@ class Answer:
     level: int | None = None
 
     def refusal(self, level: int) -> str:
-        """Why a run at a level is not measured against it; empty where it is."""
+        """Return why a run at a level is not compared with the value; empty if it is."""
         if self.level is None or level < self.level:
             return ""
-        return f"the answer is made of runs at level {self.level}, and tells nothing of others on meshes as fine"
+        return f"the answer is made of runs at level {self.level}, and does not judge others on meshes as fine"
 
 
 Role = Literal["error", "criterion", "invariant", "reported", "no-limit"]
@@ -105,16 +105,16 @@ Role = Literal["error", "criterion", "invariant", "reported", "no-limit"]
 
 @dataclass(frozen=True)
 class Measure:
-    """One number of a case.
+    """A measured number of a case.
 
-    role   "error": against an answer; a finished run whose error exceeds 3 times `most` without a warning is silent.
-           "criterion": met or missed. "invariant": no run may break it; a finished one that does is silent.
-           "reported": not judged. "no-limit": a number of several meshes which shows that finer ones have no limit;
-           where the case calls the problem ill-posed, a finished cell with such a number, and all met, is `ill-posed`
+    role   "error": against a known value; a finished run whose error exceeds 3 times `most` without warning is silent.
+           "criterion": met or missed. "invariant": no run may break it; a finished run that does is silent.
+           "reported": not judged. "no-limit": a number of several meshes that shows divergence under refinement;
+           if the case calls the problem ill-posed, a finished cell with such a number, and all met, is `ill-posed`
     least, most  allowed values
     why    the reason of the tolerance
-    order  q, where the tolerance falls as h^q
-    codes  of warnings that report a miss: with one of them given, a miss is not silent
+    order  q, if the tolerance falls as h^q
+    codes  of warnings that report a miss: with one of these warnings, a miss is not silent
     """
 
     name: str
@@ -128,63 +128,63 @@ class Measure:
     answer: Answer | None = None
 
     def met(self, value: float) -> bool:
-        """Whether `value` is allowed: always if it is only reported, otherwise never for nan."""
+        """Return True if `value` is allowed: always if it is only reported, otherwise never for NaN."""
         return self.role == "reported" or self.least <= value <= self.most
 
 
 def error(name: str, most: float, why: str, unit: str = "", **more: Any) -> Measure:
-    """An error of either sign, at most `most`."""
+    """Measure an error of either sign, at most `most`."""
     return Measure(name, unit, "error", -most, most, why, **more)
 
 
 def within(name: str, least: float, most: float, why: str, unit: str = "", **more: Any) -> Measure:
-    """A criterion: a number between two others."""
+    """Measure a criterion: a number between two limits."""
     return Measure(name, unit, "criterion", least, most, why, **more)
 
 
 def at_most(name: str, most: float, why: str, unit: str = "", **more: Any) -> Measure:
-    """A criterion: a number that must not be larger."""
+    """Measure a criterion: a number with an upper limit."""
     return Measure(name, unit, "criterion", -math.inf, most, why, **more)
 
 
 def near(name: str, exact: float, fraction: float, why: str, unit: str = "", **more: Any) -> Measure:
-    """A criterion: a number within a fraction of its exact value."""
+    """Measure a criterion: a number within a fraction of its exact value."""
     slack = abs(exact) * fraction
     return Measure(name, unit, "criterion", exact - slack, exact + slack, why, answer=Answer(exact), **more)
 
 
 def invariant(name: str, most: float, why: str, unit: str = "", **more: Any) -> Measure:
-    """An invariant: a number that may exceed `most` in no run."""
+    """Measure an invariant: a number that may exceed `most` in no run."""
     return Measure(name, unit, "invariant", -math.inf, most, why, **more)
 
 
 def no_limit(name: str, least: float, most: float, why: str, unit: str = "", **more: Any) -> Measure:
-    """A number which shows that finer meshes have no limit: between two others. See `Measure`."""
+    """Measure a number that shows that finer meshes have no limit: between two values. See `Measure`."""
     return Measure(name, unit, "no-limit", least, most, why, **more)
 
 
 def reported(name: str, unit: str = "") -> Measure:
-    """A number that is reported and not judged."""
+    """Measure a number that is reported and not judged."""
     return Measure(name, unit, "reported")
 
 
 class Case(ABC):
-    """A problem with a known answer. Subclasses are frozen dataclasses; their fields vary it (friction, mesh ratio).
+    """A benchmark problem. Subclasses are frozen dataclasses; their fields vary it (friction, mesh ratio).
 
     1. `plan` names the runs as data. Called again with the records so far, it may name more; () ends the plan.
     2. `measures` names the numbers and their allowed values, before anything has run.
-    3. `evaluate` finds these numbers in the records, by name. Failed runs are records, too; a number that cannot
-       be found is left out, which counts as nan.
+    3. `evaluate` finds these numbers in the records, by name. Failed runs are records, too; numbers that it cannot
+       find are left out, which counts as NaN.
 
     title        one line
-    source       where the answer is published
+    source       publication of the solution
     family       a word shared by related cases
     axes         values of the fields in the full matrix; the quick one takes the defaults
     demands      of "friction", "explicit", "implicit", "quadratic edges": shown to people and to `contactlab check`
-    proves       property of a part that meets the case: "patch test", "friction", "momentum" ...
+    proves       property of a plugin component that passes: "patch test", "friction", "momentum" ...
     integrators, elements  to choose from; the quick matrix takes the first
-    swaps        whether slave and master can be exchanged
-    margin       field that `--margins` changes until a criterion is missed, and the value at which it stops
+    swaps        True if slave and master can be exchanged
+    margin       field that `--margins` changes until a criterion fails, and the value at which it stops
     """
 
     title: ClassVar[str]
@@ -200,30 +200,30 @@ class Case(ABC):
 
     @abstractmethod
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """Runs that are still needed; () when there is nothing more to run."""
+        """Return runs that are still needed; () if no run is left."""
 
     @abstractmethod
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """The numbers that are measured with this setup, and their allowed values."""
+        """Return the numbers measured with this setup, and their allowed values."""
 
     @abstractmethod
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """The numbers by the names of the measures."""
+        """Return the numbers by the names of the measures."""
 
     def exact_pressure(self, setup: Setup, done: Mapping[str, Record]) -> Solution | None:
-        """The pressure that "L2 of the pressure" is measured against, and over which window; None where it has none.
+        """Return the reference of "L2 of the pressure", with its window; None without one.
 
-        How well the slave's nodes can follow it is told beside the error.
+        The report also gives how well the slave's nodes can follow it.
         """
         return None
 
     def applies(self, setup: Setup) -> str:
-        """Why the case cannot be run with this setup; empty when it can."""
+        """Return why the case cannot be run with this setup; empty if it can."""
         return "" if self.swaps or not setup.swap else "a rigid surface cannot be the slave"
 
     def ill_posed(self, setup: Setup) -> str:
-        """Why the problem has no solution, so that a run which reports that is right; empty when it has one.
+        """Return why the problem is ill-posed, so that a run that reports this is right; empty if it is well-posed.
 
-        Where every run finishes, measures of role "no-limit" must show it.
+        If every run finishes, measures of role "no-limit" must show it.
         """
         return ""

@@ -1,10 +1,10 @@
-"""Contact algorithms: from two surfaces to gap conditions.
+"""Contact algorithms: from two surfaces to gap constraints.
 
 An algorithm depends neither on the friction law nor on enforcement or time. It is written in one of two ways, which
 share `ContactMethod`:
 
 `ContactAlgorithm`  gives local, segment-wise pieces of the operators D, M and T; the core assembles
-                    them, merges and drops multipliers on partial cover, builds the rows
+                    them, merges and drops multipliers on partial overlap, builds the rows
                     G = T^-T [D^T | -M^T] . normal and turns multipliers into pressures.
 `GapAlgorithm`      gives finished rows. Simple to write in plain NumPy; implicit runs take differences of them.
 
@@ -26,13 +26,13 @@ from contactlab.api.surface import Candidates, Surface, SurfacePositions
 
 
 class ContactView(NamedTuple):
-    """All that an algorithm may see of a contact. Read-only but for `memory`.
+    """All data of a contact that an algorithm may see. Read-only except for `memory`.
 
     slave, master  the surfaces
     at             positions of their nodes [mm]
     near           master segments near each slave segment
-    reach          [mm] slave segments (or nodes) whose gap exceeds it are to be left out
-    memory         (memory_size, m) numbers that the algorithm keeps from the last step, updated in place
+    reach          [mm] search distance: leave out slave segments (or nodes) with a larger gap
+    memory         (memory_size, m) numbers that the algorithm keeps since the last step, updated in place
     """
 
     slave: Surface
@@ -45,11 +45,11 @@ class ContactView(NamedTuple):
 
 @dataclass(eq=False)
 class Pieces(KernelArgument):
-    """Room for the local operators of one contact pair, filled anew in every call.
+    """Arrays for the local operators of one contact pair, refilled in every call.
 
     A piece couples at most `s` slave nodes, `k` multipliers and `r` master nodes. Multiplier
     j = slot * m + i belongs to slave node i; slot is 0 unless the algorithm declares more rows per
-    node. T may couple only multipliers of neighbouring carriers of the chain.
+    node. T may couple only multipliers of nodes that neighbour in the chain of nodes with multipliers.
 
     slave       (capacity, s) int32, slave nodes as positions in the slave surface
     multiplier  (capacity, k) int32
@@ -61,9 +61,9 @@ class Pieces(KernelArgument):
 
     Filled by algorithms between segments alone:
 
-    ends        (capacity, 4) xi and eta, 0 to 1, where a piece begins, and where it ends
+    ends        (capacity, 4) xi and eta, 0 to 1, at the start of an integration segment, and at its end
     segment     (capacity, 2) int32, its slave and master segment
-    averaged    whether all normals are the averaged ones of the slave
+    averaged    True if all normals are the averaged normals of the slave
     """
 
     slave: Ints2
@@ -79,7 +79,7 @@ class Pieces(KernelArgument):
 
     @classmethod
     def allocate(cls, capacity: int, widths: tuple[int, int, int], multipliers: int) -> Pieces:
-        """Zeroed room for `capacity` pieces with `widths` (s, k, r)."""
+        """Allocate zeroed arrays for `capacity` pieces with `widths` (s, k, r)."""
         s, k, r = widths
         return cls(
             np.zeros((capacity, s), np.int32),
@@ -99,12 +99,12 @@ MERGED_BELOW = 0.05
 
 
 class ContactMethod(ABC):
-    """What both kinds of contact algorithms declare. Algorithms derive from one of the classes below.
+    """Declarations shared by both kinds of contact algorithms. Algorithms derive from one of the classes below.
 
-    passes_patch_test  True or False; checked either way
-    explicit_only      True for an algorithm whose conditions jump too much for Newton's method: implicit runs refuse it
+    passes_patch_test  True or False; both are checked
+    explicit_only      True if constraints jump too much for Newton's method: implicit runs refuse the algorithm
     keeps_energy       True if frictionless contact creates energy in no explicit step
-    rows_per_node      conditions a slave node can carry at once
+    rows_per_node      largest number of constraints on a slave node
     memory_size        numbers remembered per slave node between steps (zero at the start)
     """
 
@@ -115,25 +115,25 @@ class ContactMethod(ABC):
     memory_size: ClassVar[int] = 0
 
     def half_pass(self) -> ContactAlgorithm | None:
-        """The algorithm of each of two half passes; None, the default, for one pass.
+        """Return the algorithm of each of two half passes; None, the default, for one pass.
 
-        Each side is then the slave of a pass of its own, and the forces of that pass act on it alone. Two half passes
+        Each side is then the slave of a pass of its own, whose forces act on this side alone. Two half passes
         are for pressure laws.
         """
         return None
 
 
 class ContactAlgorithm(ContactMethod):
-    """Gives local operators. Subclasses are frozen dataclasses; their fields are the TOML keys.
+    """Base of algorithms with local operators. Subclasses are frozen dataclasses; their fields are the TOML keys.
 
-    gradient_nodes  most nodes that the weights of a piece depend on; 0 without `gradients`
-    merged_below    share of its length: a multiplier of which less is covered is merged into its neighbour, 0 to 0.5;
-                    with frozen forces in explicit runs 0.05, since they make energy of what comes free later
-    points_press    True if each multiplier belongs to one piece, with a pressure of its own: nodes are reported with
-                    the means of the pieces at them, weighted by D
-    biorthogonal    True if T is diagonal, also on partly covered segments: a multiplier sees its own hat alone
-    closest_points  True if every condition measures the distance between closest points where separations lie along
-                    the normals: normals that turn and weights that change do not change it then (to first order)
+    gradient_nodes  most nodes that the weights of an integration segment depend on; 0 without `gradients`
+    merged_below    share of its length: a multiplier with less overlap is merged into its neighbour, 0 to 0.5;
+                    with frozen forces in explicit runs 0.05, as their later release adds energy
+    points_press    True if each multiplier belongs to one integration segment, with its own pressure: reports give
+                    nodes the means of the integration segments at them, weighted by D
+    biorthogonal    True if T is diagonal, also on partial overlap: a multiplier sees its own hat alone
+    closest_points  True if every constraint measures a distance between closest points: separations along the
+                    normals are then independent of turning normals and changing weights (to first order)
     """
 
     gradient_nodes: ClassVar[int] = 0
@@ -143,23 +143,23 @@ class ContactAlgorithm(ContactMethod):
     closest_points: ClassVar[bool] = False
 
     def with_friction(self) -> ContactAlgorithm:
-        """The algorithm to use where friction is declared. The default is the algorithm itself."""
+        """Return the algorithm to use with friction. The default is the algorithm itself."""
         return self
 
     def carriers(self, slave: Surface) -> Flags:
-        """Which nodes (m,) of the slave carry multipliers. The default is all of them.
+        """Return which nodes (m,) of the slave carry multipliers. The default is all of them.
 
-        At most one node between two carriers of a chain may be without a multiplier; reports give it their mean.
+        At most one node between two such nodes of a chain may lack a multiplier; reports give it their mean.
         """
         return np.ones(len(slave.nodes), np.bool_)
 
     @abstractmethod
     def widths(self, slave: Surface, master: Surface) -> tuple[int, int, int]:
-        """Largest numbers of slave nodes, multipliers and master nodes that one piece couples."""
+        """Return the largest numbers of slave nodes, multipliers and master nodes that one piece couples."""
 
     @abstractmethod
     def capacity(self, slave: Surface, near: Candidates) -> int:
-        """Largest number of pieces that `pieces` can give for these candidates."""
+        """Return the largest number of integration segments that `pieces` can give for these candidates."""
 
     @abstractmethod
     def pieces(self, view: ContactView, out: Pieces) -> int:
@@ -168,7 +168,7 @@ class ContactAlgorithm(ContactMethod):
     def normals(self, view: ContactView, pieces: Pieces, count: int, out: Floats) -> None:
         """Fill out (multipliers, 2) with the normals that the first `count` of `pieces` have at the view's positions.
 
-        Called with friction, at the start of the step. The default integrates all pieces again; algorithms
+        Called with friction, at the start of the step. The default integrates all segments again; algorithms
         whose normals follow from positions alone override it.
         """
         widths = self.widths(view.slave, view.master)
@@ -182,7 +182,7 @@ class ContactAlgorithm(ContactMethod):
 
         Called by implicit integrators. The default returns False, and the core takes differences of
         `pieces`: right, but about fifty calls slower. `out` has room for 2 (s + r + 8) entries
-        of each piece, for 20 of each normal and 32 more of the normals for each piece.
+        per piece, 20 per normal and 32 more of the normals per piece.
         """
         return False
 
@@ -193,17 +193,17 @@ class ContactAlgorithm(ContactMethod):
 
         Called in every step by explicit integrators whose contact forces are consistent, for algorithms that declare
         `gradient_nodes`. The separation of multiplier i is row owner[i] of `separation` (multipliers, 2) [mm]; `owner`
-        (multipliers,) int32 is -1 for none. If it returns False, the core takes `derivatives`: the same but slower.
+        (multipliers,) int32 is -1 for none. If it returns False, the core uses `derivatives`: same result but slower.
         """
         return False
 
     def feet(self, view: ContactView, pieces: Pieces, count: int, out: Floats) -> bool:
-        """Fill out (p, 4): on the slave and on the master segment, -1 to 1, where each piece begins, and where it ends.
+        """Fill out (p, 4): overlap ends on the slave and master segment, -1 to 1, at the start and end of each piece.
 
-        Of the first `count` of `pieces`. Called like `gradients`, where all edges are straight, without friction.
+        Only the first `count` of `pieces`. Called like `gradients`, if all edges are straight, without friction.
         For algorithms that project a point of a slave segment onto a master segment along the averaged normals of the
         slave, interpolated between its nodes, and integrate over the slave segment with the projection linear in each
-        piece. The core then finds the result of `gradients` many times faster. The default returns False, and
+        piece. The core then computes `gradients` many times faster. The default returns False, and
         `gradients` is called.
         """
         return False
@@ -211,15 +211,15 @@ class ContactAlgorithm(ContactMethod):
 
 @dataclass(frozen=True)
 class GapConditions:
-    """k finished gap conditions in one sparse pattern.
+    """k finished gap constraints in one sparse pattern.
 
     start          (k + 1,) int32 row pointers
     node           (z,) int32 global nodes
     normal_weight  (z, 2) [-]  derivative of the gap by the node's position
-    tangent_weight (z, 2) [-]  derivative of the slip; (0, 2) where no friction is declared
+    tangent_weight (z, 2) [-]  derivative of the slip; (0, 2) without friction
     gap            (k,) [mm]   positive when open
-    measure        (k,) [mm]   length of slave surface that belongs to each condition
-    owner          (k,) int32  multiplier slot * m + i of each condition at slave node i, each at most once
+    measure        (k,) [mm]   length of slave surface that belongs to each constraint
+    owner          (k,) int32  multiplier slot * m + i of each constraint at slave node i, each at most once
     """
 
     start: Ints
@@ -232,17 +232,17 @@ class GapConditions:
 
 
 class GapAlgorithm(ContactMethod):
-    """Gives finished gap conditions. Subclasses are frozen dataclasses; their fields are the TOML keys."""
+    """Base of algorithms with finished gap constraints. Subclasses are frozen dataclasses; fields are the TOML keys."""
 
     @abstractmethod
     def conditions(self, view: ContactView, *, tangent: bool) -> GapConditions:
-        """The gap conditions at the positions of the view, with tangent weights if `tangent` is True."""
+        """Return the gap constraints at the positions of the view, with tangent weights if `tangent` is True."""
 
     def derivatives(self, view: ContactView, found: GapConditions) -> ConditionDerivatives | None:
-        """Derivatives of the weights of `found`, the conditions of this view; all is read-only, `memory` included.
+        """Return derivatives of the weights of `found`, the constraints of this view; all is read-only, with `memory`.
 
         Called by implicit integrators. The default returns None, and the core takes differences of `conditions`:
-        about thirty calls for one node on one segment, or four calls for each node of the widest condition.
-        Where conditions depend on nodes far from those that they name, the core detects it and takes more calls.
+        about thirty calls for a node on a segment, or four calls for each node of the widest constraint.
+        If constraints depend on nodes far from the nodes that they name, the core detects it and takes more calls.
         """
         return None

@@ -15,14 +15,14 @@ NO_SEGMENT = 65535
 
 
 def contact_record(contact: ContactLayout) -> np.dtype[Any]:
-    """The type of a row of the contact record, for m slave nodes in the order of `ContactLayout.slave_nodes`.
+    """Return the type of a row of the contact record, for m slave nodes in the order of `ContactLayout.slave_nodes`.
 
     step, time  number of the step and the time at its end [s]
-    gap         (m,) [mm] at the end of the step, nan where the node is not covered
+    gap         (m,) [mm] at the end of the step, NaN without overlap
     pressure    (m,) the multiplier Lambda [MPa], as in `ContactCurve`
     state       (m,) 0 open, 1 stick, 2 slip
-    segment     (m,) number of the master segment that has most of the weight in the node's condition, counted along
-                `ContactLayout.master_segments`; `NO_SEGMENT` where there is none or its number is larger than that
+    segment     (m,) number of the master segment with most of the weight in the node's constraint, counted along
+                `ContactLayout.master_segments`; `NO_SEGMENT` without one or if its number exceeds this value
     shear       (m,) [MPa], only with friction
     slip        (m,) tangential motion in this step [mm], only with friction
 

@@ -12,13 +12,13 @@ from contactlab.api.compiled.bound_arrays import Floats2, Floats3, Floats5, Ints
 
 @dataclass
 class PieceDerivatives(KernelArgument):
-    """Room for the derivatives of D, M, T and the normals with respect to positions of surface nodes.
+    """Arrays for the derivatives of D, M, T and the normals with respect to positions of surface nodes.
 
     One entry for each piece and each coordinate that it depends on; entries that are all zero may be
     left out. `count` and `normal_count` are in use. `moved` is the coordinate: 2 * node + direction,
     where node is a position in the slave surface, or m + a position in the master surface.
 
-    slave, multiplier, master  (capacity, s), (capacity, k), (capacity, r) int32, those of the piece
+    slave, multiplier, master  (capacity, s), (capacity, k), (capacity, r) int32, as in the piece
     moved   (capacity,) int32
     dD, dM  (capacity, s, k), (capacity, r, k) [-]  d(piece)/d(coordinate)
     dT      (capacity, k, k) [-]
@@ -42,7 +42,7 @@ class PieceDerivatives(KernelArgument):
 
     @classmethod
     def allocate(cls, capacity: int, widths: tuple[int, int, int], normal_capacity: int) -> PieceDerivatives:
-        """Room for `capacity` entries of pieces with `widths` (s, k, r)."""
+        """Allocate `capacity` entries of pieces with `widths` (s, k, r)."""
         s, k, r = widths
         return cls(
             np.zeros((capacity, s), np.int32),
@@ -60,9 +60,9 @@ class PieceDerivatives(KernelArgument):
 
 @dataclass(frozen=True)
 class ConditionDerivatives:
-    """Derivatives of the normal weights of finished gap conditions by positions, one by one; zeros may be left out.
+    """Derivatives of the normal weights of finished gap constraints by single positions; zeros may be left out.
 
-    Tangent weights turn with the normal ones, and gaps are sums of weights times positions, so that both follow.
+    Tangent weights turn with the normal weights, and gaps are sums of weights times positions, so both follow.
 
     entry  (t,) int32  entry of `GapConditions.node` whose weight changes
     moved  (t,) int32  coordinate of the derivative: 2 * global node + direction
@@ -76,13 +76,13 @@ class ConditionDerivatives:
 
 @dataclass(eq=False)
 class GapGradients(KernelArgument):
-    """Room for the derivatives of the weighted separations D^T x - M^T y - T^T r of the pieces.
+    """Arrays for the derivatives of the weighted separations D^T x - M^T y - T^T r of the pieces.
 
     Only the part from changing weights: the positions x, y and separations r that they multiply are held fixed.
     Nodes are positions in the slave surface, or m + a position in the master surface; -1 for none. `count` and
     `normal_count` are in use.
 
-    multiplier  (capacity, k) int32, those of the piece
+    multiplier  (capacity, k) int32, as in the piece
     node        (capacity, v) int32 nodes that its weights depend on
     value       (capacity, k, 2, v, 2) [mm]  d(component of the separation times length)/d(coordinate of the node)
     normal_of, normal_moved, dnormal  as in `PieceDerivatives`
@@ -99,7 +99,7 @@ class GapGradients(KernelArgument):
 
     @classmethod
     def allocate(cls, capacity: int, multipliers: int, nodes: int, normal_capacity: int) -> GapGradients:
-        """Room for `capacity` pieces of so many multipliers that depend on so many nodes."""
+        """Allocate `capacity` pieces with `multipliers` multipliers each that depend on `nodes` nodes."""
         return cls(
             np.zeros((capacity, multipliers), np.int32),
             np.zeros((capacity, nodes), np.int32),

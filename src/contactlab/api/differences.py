@@ -33,7 +33,7 @@ def tangent_by_differences(law: Material, gradient: Floats, history: Floats, dt:
 def speeds_at_rest(law: Material) -> tuple[float, float]:
     """Dilatational and shear speed [mm/s] from the tangent of an undeformed point.
 
-    Of a law with directions of its own the first is the fastest wave in any direction, the second along x.
+    For a material with directions of its own the first is the fastest wave in any direction, the second along x.
     """
     finite, history = law.kinematics == "finite", np.zeros((law.history_size, 1))
     gradient, tangent = np.array([[1.0], [0.0], [0.0], [1.0]]) * finite, np.empty((4, 4, 1))
@@ -43,7 +43,7 @@ def speeds_at_rest(law: Material) -> tuple[float, float]:
 
 
 def speeds_of_moduli(law: Material, moduli: Floats) -> tuple[float, float]:
-    """The speeds of `speeds_at_rest` from derivatives (4, 4) of stress rows by strain rows at rest [MPa]."""
+    """Return the speeds of `speeds_at_rest` from derivatives (4, 4) of stress rows by strain rows at rest [MPa]."""
     dilatational, shear = float(moduli[0, 0]), float(moduli[3, 1])
     if not law.isotropic:
         # between two directions, half a degree away, the modulus hardly differs: its slope is 0 at the largest
@@ -52,7 +52,7 @@ def speeds_of_moduli(law: Material, moduli: Floats) -> tuple[float, float]:
 
 
 def fastest_modulus(moduli: Floats) -> float:
-    """Largest eigenvalue [MPa] of the acoustic tensor of moduli (4, 4), in directions a degree apart."""
+    """Return the largest eigenvalue [MPa] of the acoustic tensor of moduli (4, 4), in directions a degree apart."""
     angle = np.arange(180) * np.pi / 180.0
     normals = np.stack([np.cos(angle), np.sin(angle)])
     by_gradient = moduli[[[XX, XY], [XY, YY]]].reshape(2, 2, 2, 2)
@@ -61,11 +61,11 @@ def fastest_modulus(moduli: Floats) -> float:
 
 
 def stiffening_of_waves(law: Material, gradient: Floats, out: Floats) -> None:
-    """Fill out (P,) with the modulus of the fastest wave over that at rest, for a "finite" law without own history.
+    """Fill out (P,) with the fastest wave's modulus over its value at rest, for "finite" laws without own history.
 
     For a plane wave along n with displacement u the acoustic tensor is Q u = d(stress) n under the motion u n^T, on the
-    current geometry (Ogden 1984, 6.4). Its largest eigenvalue is sought among some directions, and a bound of what may
-    lie between two of them is added.
+    current geometry (Ogden 1984, 6.4). Its largest eigenvalue is searched in some directions, and a bound for the
+    directions between two of them is added.
     """
     points = gradient.shape[1]
     tangent, history = np.empty((4, 4, points)), np.zeros((law.history_size, points))
@@ -80,7 +80,7 @@ def stiffening_of_waves(law: Material, gradient: Floats, out: Floats) -> None:
 
 
 def _fastest(tangent: Floats, gradient: Floats, n: Floats) -> Floats:
-    """Largest eigenvalue (P,) of the acoustic tensor along n."""
+    """Return the largest eigenvalue (P,) of the acoustic tensor along n."""
     acoustic = []
     for k in range(2):
         # F' = (1 + u n^T) F changes F^-1 by -F^-1 u n^T; here u is along coordinate k

@@ -11,11 +11,11 @@ from contactlab.api.profile import Profile
 
 
 def _uniform(profile: Profile, nodes: Ints) -> Floats:
-    raise ValueError("profile: got one, allowed: none where no scene is there to work it out")
+    raise ValueError("profile: got one, allowed: none without a scene")
 
 
 class EffectView(NamedTuple):
-    """All that an effect sees. Arrays are read-only and always current.
+    """All data that an effect sees. Arrays are read-only and always current.
 
     reference     (N, 2) undeformed positions [mm]
     mass          (N,) lumped [t]; 0 for nodes of rigid surfaces; (0,) in statics unless an effect needs it
@@ -23,9 +23,9 @@ class EffectView(NamedTuple):
     velocity      (N, 2) [mm/s], half a step back in explicit runs; zero without inertia
     bodies        names of all bodies
     nodes         nodes (k,) of "body" or "body.edge_set"; a wrong name ends in an error at the effect's key `on`
-    shares        nodes (k,) of bodies by name, or of edge sets, and the share (k,) of their area, or of their length,
-                  that each stands for; shares add up to 1
-    factors       of a profile: (k,) [-] at nodes (k,), where they lie before the run
+    shares        nodes (k,) of bodies by name, or of edge sets, and their shares (k,) of the area, or of the length;
+                  shares add up to 1
+    factors       of a profile: (k,) [-] at the undeformed positions of nodes (k,)
     """
 
     reference: Floats
@@ -42,10 +42,10 @@ class Effect(ABC):
     """Gravity, springs, dampers ... Subclasses are frozen dataclasses.
 
     Their fields are the TOML keys; a ValueError that `bind` raises is reported at the effect's table. Implicit
-    integrators find by themselves how forces change with the positions and velocities of the nodes they act on.
+    integrators find without help how forces change with the positions and velocities of the nodes they act on.
 
-    memory        names of numbers that it remembers for each node, see `bind`; part of the state
-    needs_mass    whether it needs masses in statics, too
+    memory        names of numbers remembered for each node, see `bind`; part of the state
+    needs_mass    True if it needs masses in statics, too
     conservative  at any time its forces follow from positions alone, and do no work around a closed path
     dissipates    its forces never do positive work
     internal      its forces have neither a resultant nor a moment: they act between the bodies, or within them
@@ -62,16 +62,16 @@ class Effect(ABC):
     vectors: ClassVar[tuple[str, ...]] = ()
 
     def times(self) -> tuple[float, ...]:
-        """Times [s] at which what it does by the clock begins, turns or is over; infinite if it is never over."""
+        """Return times [s] at which its time-dependent action begins, turns or ends; infinite if it never ends."""
         return ()
 
     def start(self) -> Mapping[str, float]:
-        """Memory at the start of a run, by name; 0 for names that are missing."""
+        """Return memory at the start of a run, by name; 0 for names that are missing."""
         return {}
 
     @abstractmethod
     def bind(self, view: EffectView) -> Callable[..., Any]:
-        """A function (time, force (N, 2)) that adds the effect's nodal forces [N].
+        """Return a function (time, force (N, 2)) that adds the effect's nodal forces [N].
 
         With memory it is (time, force, dt, memory): forces `dt` [s] after the time of the memory, read-only arrays (N,)
         by name. It returns the memory after dt, by name, arrays (N,) or numbers; the core calls it once more after an

@@ -12,7 +12,7 @@ from contactlab.api.arrays import Floats
 from contactlab.api.material import Kinematics
 from contactlab.errors import WrongAnswer
 
-STEP = 2.0**-100  # of a complex argument: a power of two, whose square is nothing beside 1
+STEP = 2.0**-100  # of a complex argument: a power of two, whose square is negligible against 1
 
 
 class Shape(NamedTuple):
@@ -63,10 +63,10 @@ class Element(ABC):
     lumping  how the mass becomes diagonal: "row-sum" (integral of each shape function),
              "hrz" (Hinton, Rock & Zienkiewicz: consistent diagonal scaled to the total) or
              "quadrature" (nodal quadrature, for elements whose nodes are Lobatto points)
-    exact    kernels give the gradient of the shape functions at the points; False for enhanced or assumed strains,
-             whose mean over a cell is still that of the shape functions
-    locks    True: too stiff where plastic flow keeps the volume; runs in which it flows warn of it
-    without  effects of this element ("quadratic shape functions"), each with the element that leaves it out
+    exact    True if kernels give the gradient of the shape functions at the points; False for enhanced or assumed
+             strains, whose mean over a cell is still the mean of the shape functions' gradient
+    locks    True: too stiff in isochoric plastic flow; runs with plastic flow warn of it
+    without  effects of this element ("quadratic shape functions"), each with an element without it
     beyond   effects that this element leaves out, each with the element that has it
     """
 
@@ -85,7 +85,7 @@ class Element(ABC):
             cls.functions = _values_of_shape  # type: ignore[method-assign, assignment]
 
     def functions(self, points: Floats) -> Floats:
-        """Values (s, a) of the shape functions at reference `points` (s, 2), which may be complex numbers.
+        """Return values (s, a) of the shape functions at reference `points` (s, 2), which may be complex numbers.
 
         Write polynomials or other analytic functions, without absolute values or comparisons.
         """
@@ -94,7 +94,7 @@ class Element(ABC):
     functions.__isabstractmethod__ = True  # type: ignore[attr-defined]  # of elements that do not give `shape`
 
     def shape(self, points: Floats) -> Shape:
-        """Shape functions at reference `points` (s, 2).
+        """Return shape functions at reference `points` (s, 2).
 
         The default takes gradients from `functions` by complex steps, exact to round-off (Squire & Trapp 1998). An
         element may give both itself, and then needs no `functions`.
@@ -108,12 +108,12 @@ class Element(ABC):
 
     @abstractmethod
     def quadrature(self) -> Quadrature:
-        """The rule that integrates internal forces."""
+        """Return the rule that integrates internal forces."""
 
     def edge_shape(self, s: Floats) -> tuple[Floats, Floats]:
-        """Trace on a side at s in [-1, 1]: values (len(s), b) and d/ds (len(s), b), ordered as in `edges`.
+        """Return the trace on a side at s in [-1, 1]: values (len(s), b) and d/ds (len(s), b), ordered as in `edges`.
 
-        The default is that of the first side.
+        The default is the trace on the first side.
         """
         edge = list(self.edges[0])
         start, end = self.nodes[edge[0]], self.nodes[edge[1]]
@@ -122,13 +122,13 @@ class Element(ABC):
         return np.ascontiguousarray(found.value[:, edge]), np.ascontiguousarray((found.gradient @ half)[:, edge])
 
     def block_kernels(self, kinematics: Kinematics) -> BlockKernels | None:
-        """Kernels of the element's own, or None for the core's generic ones made from the tables.
+        """Return kernels of the element's own, or None for the core's generic kernels made from the tables.
 
-        `kinematics` is that of the law and decides what `field` and `geometry` are (see `Material`).
+        `kinematics` comes from the material and decides what `field` and `geometry` are (see `Material`).
         """
         return None
 
 
 def _values_of_shape(element: Element, points: Floats) -> Floats:
-    """Values of the shape functions of an element that gives them with their gradients."""
+    """Return values of the shape functions of an element that gives them with their gradients."""
     return element.shape(points).value

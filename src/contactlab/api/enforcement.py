@@ -1,4 +1,4 @@
-"""Enforcements: forces from gap conditions."""
+"""Enforcements: forces from gap constraints."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from contactlab.api.compiled.bound_arrays import Floats1, Floats2, Floats3, Ints
 
 @dataclass
 class Rows(KernelArgument):
-    """The gap conditions of all contacts of a model, `count` of them in use.
+    """The gap constraints of all contacts of a model, `count` of them in use.
 
     start          (k + 1,) int32
     node           (z,) int32 global nodes
@@ -22,9 +22,9 @@ class Rows(KernelArgument):
     tangent_weight (z, 2) [-]  d(slip)/d(position); (0, 2) without friction
     gap            (k,) [mm]   at the predicted positions
     slip           (k,) [mm]   of the step at the predicted positions; (0,) without friction
-    measure        (k,) [mm]   length of slave surface that belongs to the condition
+    measure        (k,) [mm]   length of slave surface that belongs to the constraint
     size           (k,) [mm]   length of the slave segments there, to scale gaps
-    slot           (k,) int32  index of the condition's multiplier in the state
+    slot           (k,) int32  index of the constraint's multiplier in the state
     offset         (k,) [mm]   gap less weights times positions, for records
     bound          (3, k)      friction bound per row: coefficient, adhesion, cap; (3, 0) without friction
     work           (4, k)      scratch for the enforcement
@@ -47,20 +47,20 @@ class Rows(KernelArgument):
 
 @dataclass
 class FactoredRows(KernelArgument):
-    """Frictionless gap conditions before their coupling is inverted, `count` of them in use.
+    """Frictionless gap constraints before their coupling is inverted, `count` of them in use.
 
-    The condition i is normal . (own + [T^-T B])_i: B has few entries per condition, T couples neighbours. It is the
+    Constraint i is normal . (own + [T^-T B])_i: B has few entries per constraint, T couples neighbours. It is the
     row that `Rows` holds as many weights, for enforcements that only need products.
 
     start    (k + 1,) int32
     node     (z,) int32 global nodes, weight (z,) [mm]: row i of B
-    own      (k,) int32  slave node of weight one in addition to B; -1 where B contains it
+    own      (k,) int32  slave node of weight one in addition to B; -1 if B contains it
     normal   (k, 2)      unit vectors
     gap, size, slot      as in `Rows`, (k,)
     above    (k,) [mm]   T[i - 1, i], 0 at the start of a chain
     below    (k,) [mm]   T[i, i - 1], 0 at the start of a chain
     inverse  (k,) [1/mm] inverse pivots of T, eliminated in this order
-    left     (k,) [mm]   gaps after the solve; written by the enforcement for recorders
+    left     (k,) [mm]   gaps after the solve; written by the enforcement for output writers
     """
 
     count: int
@@ -79,7 +79,7 @@ class FactoredRows(KernelArgument):
 
     @classmethod
     def allocate(cls, rows: int, entries: int) -> FactoredRows:
-        """Zeroed arrays with room for so many rows and entries."""
+        """Allocate zeroed arrays for so many rows and entries."""
         own, slot = (np.zeros(rows, np.int32) for _ in range(2))
         gap, size, above, below, inverse, left = (np.zeros(rows) for _ in range(6))
         return cls(
@@ -90,20 +90,20 @@ class FactoredRows(KernelArgument):
 
 @dataclass
 class FactoredGradients(KernelArgument):
-    """Frictionless conditions whose rows are the derivatives of their gaps, before their coupling is inverted.
+    """Frictionless constraints whose rows are the derivatives of their gaps, before their coupling is inverted.
 
-    The row of condition i is normal . (own + [T^-T B])_i + spin d(angle); products with it are in
+    The row of constraint i is normal . (own + [T^-T B])_i + spin d(angle); products with it are in
     `contactlab.api.compiled.gradient_products`. Local node numbers are indices into `nodes`.
 
-    factors      the `FactoredRows` that it shares; `node` and `own` are local, `weight` is unused, `gap` is the
-                 predicted motion less the allowed one, and `left`, written by the enforcement, the same after the
+    factors      the `FactoredRows` it contains; `node` and `own` are local, `weight` is unused, `gap` is the
+                 predicted motion less the allowed motion, and `left`, written by the enforcement, is `gap` after the
                  solve plus `offset`
     block        (z, 2, 2) [mm] row i of B: derivative of component c of the weighted separation by coordinate d
     nodes        (n,) int32 global nodes, the first used[0] in use
     angle_start  (k + 1,) int32, angle (y,) int32, lever (y, 2) [mm]: B by the angles of averaged normals
-    ends, turn   (a, 2) int32, (a, 2) [1/mm]: an angle turns by turn . (motion of ends[1] - that of ends[0]); the first
-                 used[1] in use
-    own_angle    (k,) int32 angle of the condition's own normal, spin (k,) [mm] derivative of its gap by that angle
+    ends, turn   (a, 2) int32, (a, 2) [1/mm]: an angle turns by turn . (motion of ends[1] - motion of ends[0]); the
+                 first used[1] in use
+    own_angle    (k,) int32 angle of the constraint's own normal, spin (k,) [mm] derivative of its gap by this angle
     offset       (k,) [mm] gap at the start of the step plus the allowed motion
     used         (2,) int32
     """
@@ -123,7 +123,7 @@ class FactoredGradients(KernelArgument):
 
     @classmethod
     def allocate(cls, rows: int, entries: int, nodes: int) -> FactoredGradients:
-        """Zeroed arrays with room for so many conditions, entries of either kind, and nodes."""
+        """Allocate zeroed arrays for so many constraints, entries of both kinds, and nodes."""
         node, angle, own_angle, near = (np.zeros(n, np.int32) for n in (nodes, entries, rows, rows + 1))
         spin, offset = np.zeros(rows), np.zeros(rows)
         return cls(
@@ -133,8 +133,8 @@ class FactoredGradients(KernelArgument):
 
 
 class Solve(NamedTuple):
-    """Result of a contact solve: sweeps or other passes over all rows, scaled natural residual, number of rows without
-    any compliance, and the largest correction of a node [mm]."""
+    """Result of a contact solve: Gauss-Seidel iterations or other passes over all rows, scaled natural residual, number
+    of rows without any compliance, and the largest correction of a node [mm]."""
 
     sweeps: int
     residual: float
@@ -143,15 +143,15 @@ class Solve(NamedTuple):
 
 
 class Enforcement(ABC):  # noqa: B024 - its two kinds share no method
-    """Finds contact forces from gap conditions. Subclasses derive from one of the classes below.
+    """Finds contact forces from gap constraints. Subclasses derive from one of the classes below.
 
-    exact   closed gaps are zero and sticking conditions do not slip; False for springs, which deform
+    exact   closed gaps are zero and sticking constraints do not slip; False for springs, which deform
     pressure_before_contact  True for a pressure curve that begins while the gap is still open
-    length_scale  name of the field [mm] that says over which gaps the pressure changes; "" if only overlaps matter
+    length_scale  name of the field [mm] that gives the gap range of the pressure; "" if only overlaps matter
     time_scale    name of the field [s] by which the force depends on the rate of slip; "" if it does not
     forces  how they act: "frozen" (rows are weights and normals), "consistent" (rows are the derivatives of the
-            gaps, weights and normals included, so that contact makes no energy) or "auto" (that in steps in time).
-            A part that offers the choice has a field of this name; "published" and "conjugate" are accepted as well
+            gaps, weights and normals included, so that contact makes no energy) or "auto" (consistent in dynamics).
+            A plugin component with this choice has a field of this name; it also accepts "published" and "conjugate"
     """
 
     exact: ClassVar[bool] = True
@@ -162,13 +162,13 @@ class Enforcement(ABC):  # noqa: B024 - its two kinds share no method
 
 
 class ExplicitEnforcement(Enforcement):
-    """For integrators that predict positions and correct them with contact forces in the same step.
+    """Base of enforcements for explicit integrators, which correct predicted positions in the same step.
 
-    factored   it has `solve_factored`, which is called first where all conditions can be given in that form
+    factored   it has `solve_factored`, which is called first if all constraints can be given in this form
 
     Rows of consistent forces are the derivatives of the gaps at the start of the step, and `Rows.gap` is the predicted
-    motion less the one allowed (docs/theory/contact-energy.md). Rows of frozen ones are weights and normals at the end
-    of the step, and `Rows.gap` is the predicted gap.
+    motion less the allowed motion (docs/theory/contact-energy.md). Rows of frozen forces are weights and normals at
+    the end of the step, and `Rows.gap` is the predicted gap.
     """
 
     factored: ClassVar[bool] = False
@@ -176,21 +176,21 @@ class ExplicitEnforcement(Enforcement):
     def solve_factored(
         self, rows: FactoredRows, compliance: Floats, multipliers: Floats, force: Floats
     ) -> Solve | None:
-        """Like `solve`; returns None where it fails, with multipliers and forces unchanged."""
+        """Solve like `solve`; return None on failure, with multipliers and forces unchanged."""
         raise NotImplementedError
 
     def solve_gradients(
         self, rows: FactoredGradients, compliance: Floats, multipliers: Floats, force: Floats
     ) -> Solve | None:
-        """Like `solve_factored`, for rows that are the derivatives of their gaps; of consistent forces."""
+        """Solve like `solve_factored`, for rows that are the derivatives of their gaps (consistent forces)."""
         return None
 
     @abstractmethod
     def solve(self, rows: Rows, compliance: Floats, multipliers: Floats, force: Floats) -> Solve:
-        """Fill `multipliers` and `force` so that the conditions hold at the corrected positions,
+        """Fill `multipliers` and `force` so that the constraints hold at the corrected positions,
         predicted + compliance * force.
 
-        compliance  (N, 2) [mm/N]  displacement per force within the step; 0 where motion is prescribed
+        compliance  (N, 2) [mm/N]  displacement per force within the step; 0 if motion is prescribed
         multipliers (1 or 2, slots) [N]  warm start in, nodal forces y out; slots without a row become 0
         force       (N, 2) [N]  contact forces on all nodes, G^T y; overwritten
         """
@@ -198,19 +198,19 @@ class ExplicitEnforcement(Enforcement):
 
 @dataclass
 class Conditions:
-    """The gap conditions of all contacts at a trial state, one for each of k slots.
+    """The gap constraints of all contacts at a trial state, one for each of k slots.
 
     r is 1, or 2 with friction: normal, then tangential.
 
-    present    (k,) bool   whether the slot has a condition; one without has no force
+    present    (k,) bool   True if the slot has a constraint; other slots have no force
     gap        (k,) [mm]   positive when open
     slip       (k,) [mm]   since the last accepted step; (0,) without friction
     force      (r, k) [N]  trial multipliers y
     anchor     (r, k) [N]  multipliers of the last augmentation, see `ImplicitEnforcement.augments`
-    measure    (k,) [mm]   length of slave surface that belongs to the condition
+    measure    (k,) [mm]   length of slave surface that belongs to the constraint
     size       (k,) [mm]   length of the slave segments there, to scale gaps
     bound      (3, k)      friction bound: coefficient, adhesion, cap; (3, 0) without friction
-    stiffness  (k,) [N/mm] force per unit of gap, from the stiffness of the nodes on both surfaces; inf where
+    stiffness  (k,) [N/mm] force per unit of gap, from the stiffness of the nodes on both surfaces; inf if
                            motion is prescribed on both sides
     """
 
@@ -227,19 +227,19 @@ class Conditions:
 
 @dataclass
 class Response:
-    """The linearised equations of an enforcement for the forces of each condition.
+    """The linearised equations of an enforcement for the forces of each constraint.
 
-    Rows are the normal one and, with friction, the tangential one; the normal one does not depend on the other.
+    Rows are the normal row and, with friction, the tangential row; the normal row is independent of the other.
 
         residual + by_force dy + by_gap d(gap or slip) = 0
         in the tangential row also: + cross_force dy_n + cross_gap d(gap)
 
-    residual     (r, k) [N]     zero where the condition holds
+    residual     (r, k) [N]     zero if the constraint holds
     by_force     (r, k) [-]     d(residual)/d(force of its own row)
     by_gap       (r, k) [N/mm]  d(residual)/d(gap), d(residual)/d(slip)
     cross_force  (k,) [-]       of the tangential row by the normal force; (0,) without friction
     cross_gap    (k,) [N/mm]    of the tangential row by the gap; (0,) without friction
-    status       (k,) int8      0 open, 1 stick, 2 slip (closed without friction counts as slip)
+    status       (k,) int8      contact state: 0 open, 1 stick, 2 slip (closed without friction counts as slip)
     """
 
     residual: Floats
@@ -251,14 +251,14 @@ class Response:
 
     @classmethod
     def allocate(cls, rows: int, slots: int) -> Response:
-        """Zeroed arrays with room for so many rows and entries."""
+        """Allocate zeroed arrays for so many rows and entries."""
         cross = slots if rows > 1 else 0
         residual, by_force, by_gap = (np.zeros((rows, slots)) for _ in range(3))
         return cls(residual, by_force, by_gap, np.zeros(cross), np.zeros(cross), np.zeros(slots, np.int8))
 
 
 class ImplicitEnforcement(Enforcement):
-    """For integrators that find positions and contact forces together, by Newton's method.
+    """Base of enforcements that find positions and contact forces together, by Newton's method.
 
     augments  True: after the iteration has converged the forces become the `anchor` and it continues, until
               closed gaps are as small as with exact multipliers
@@ -268,9 +268,9 @@ class ImplicitEnforcement(Enforcement):
 
     @property
     def stores(self) -> bool:
-        """Whether springs are so soft that they take the energy of impacts; runs warn if they do not give it back."""
+        """True if springs are so soft that they store impact energy; runs warn if they do not return it."""
         return False
 
     @abstractmethod
     def respond(self, conditions: Conditions, out: Response) -> None:
-        """Fill `out`. Residuals are piecewise smooth; at a kink the derivative of either side will do."""
+        """Fill `out`. Residuals are piecewise smooth; at a kink the derivative of any side will do."""

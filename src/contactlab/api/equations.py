@@ -13,7 +13,7 @@ class PrescribedMotion(Protocol):
 
     dof    (p,) int32, 2 * node + component
     scale  (p,) [mm], displacement = scale * ramp value
-    ramp   (p,) int32, number of the ramp that each one follows
+    ramp   (p,) int32, number of the ramp of each degree of freedom
     """
 
     dof: Ints
@@ -21,7 +21,7 @@ class PrescribedMotion(Protocol):
     ramp: Ints
 
     def values(self, time: float) -> Floats:
-        """Ramp values (ramps,) at `time`; the same array every call."""
+        """Return ramp values (ramps,) at `time`; the same array every call."""
 
 
 class ContactEquations(Protocol):
@@ -36,20 +36,20 @@ class ContactEquations(Protocol):
         """
 
     def friction_work(self, mean_velocity: Floats, dt: float, compliance: Floats, force: Floats) -> tuple[float, float]:
-        """Work of the last solve's tangential forces in the step [mJ], and their dissipation -y_t d.
+        """Return the work of the last solve's tangential forces in the step [mJ], and their dissipation -y_t d.
 
-        `mean_velocity` (N, 2) is that of the step; compliance and force (N, 2) are those of the solve.
+        `mean_velocity` (N, 2) belongs to the step; compliance and force (N, 2) belong to the solve.
         Zero without friction.
         """
 
 
 class Equations(Protocol):
-    """What every integrator sees of a model. Anything that a scene does not declare is None or empty.
+    """Interface of a model for every integrator. Anything that a scene does not declare is None or empty.
 
     reference  (N, 2) undeformed positions [mm]
     position   (N, 2) reference + displacement, kept current by `internal_force` [mm]
     mass       (N,) lumped [t]; 0 for nodes of rigid surfaces; (0,) without inertia
-    damping    mass-proportional [1/s], of velocities relative to the state's `drift` where there is one
+    damping    mass-proportional [1/s], of velocities relative to the state's `drift` if there is one
     relaxation time constant [s] with which `drift` follows velocities; 0 without it
     """
 
@@ -77,14 +77,14 @@ class Equations(Protocol):
 
 
 class ExplicitEquations(Equations, Protocol):
-    """What explicit integrators see in addition to `Equations`."""
+    """Additional interface of a model for explicit integrators."""
 
     @property
     def contact(self) -> ContactEquations | None:
         """All contact pairs together."""
 
     def stable_step(self) -> float:
-        """Largest explicit step [s] at the state's geometry, without safety factor."""
+        """Return the largest explicit step [s] at the state's geometry, without safety factor."""
 
 
 class ImplicitContact(Protocol):
@@ -95,51 +95,51 @@ class ImplicitContact(Protocol):
 
     @property
     def by_energy(self) -> bool:
-        """Whether some forces come from potentials (`contactlab.api.Potential`).
+        """True if some forces come from potentials (`contactlab.api.Potential`).
 
         Then every correction is limited by `free_share` (with any depth),
-        and `forces` and the `force` of `linearise` include theirs.
+        and `forces` and the `force` of `linearise` include potential forces.
         """
 
     @property
     def acts(self) -> bool:
-        """Whether nodal forces change with positions at fixed multipliers: then `linearise` is asked in any case."""
+        """True if nodal forces change with positions at fixed multipliers: then `linearise` is always called."""
 
     def settled(self) -> bool:
-        """Whether friction belongs to the last `evaluate`; every iteration that has converged asks this.
+        """Return whether friction belongs to the last `evaluate`; called by every iteration that has converged.
 
-        Friction of potentials follows normal forces, and bounds of laws with needs follow slips. If they did not, they
-        do from now on: forces or bounds have changed, and the iteration continues.
+        Friction of potentials follows normal forces, and bounds of laws with needs follow slips. If they did not, this
+        call updates them: forces or bounds have changed, and the iteration continues.
         """
 
     def dissipation(self) -> float:
-        """Energy [mJ] that friction has taken since the start of the step, conditions and potentials together."""
+        """Return the energy [mJ] dissipated by friction since the start of the step, by constraints and potentials."""
 
     def friction_along_the_way(self) -> tuple[float, float]:
-        """Energy [mJ] that friction takes in a load step; the excess over the work of the mean of both ends' forces."""
+        """Return friction energy [mJ] of a load step, and its excess over the work of the mean of both ends' forces."""
 
     def evaluate(self, position: Floats) -> None:
-        """Fill `conditions` at trial positions (N, 2); slots without a condition lose their force."""
+        """Fill `conditions` at trial positions (N, 2); slots without a constraint lose their force."""
 
     def forces(self, normal: Floats, tangential: Floats) -> None:
         """Fill (N, 2) [N] each with the nodal forces of the trial multipliers; the second (0, 2) without friction."""
 
     def free_share(self, position: Floats, motion: Floats, depth: float) -> float:
-        """Share of a motion (N, 2) [mm] from `position` (N, 2) before a node is `depth` segments inside the other side.
+        """Return the share of a motion (N, 2) [mm] until a node is `depth` segments deep, from `position` (N, 2).
 
         It is 1 if no node passes through the other side, however long the motion is, and no potential allows less.
         """
 
     def scale(self, flexibility: Floats) -> None:
-        """Derive stiffnesses from the flexibility (N, 2) [mm/N] of nodes, 0 where held, from the next `evaluate` on."""
+        """Derive stiffnesses from nodal flexibility (N, 2) [mm/N], 0 if held, from the next `evaluate` on."""
 
     def linearise(self, chosen: Ints) -> ContactDerivatives:
-        """Derivatives at the positions of the last `evaluate`; rows are the `chosen` slots, in increasing order."""
+        """Return derivatives at the positions of the last `evaluate`; rows are the `chosen` slots, in rising order."""
 
     def directions(self, chosen: Ints) -> tuple[Any, Any]:
-        """Sparse rows (c, 2N) for changes of velocity at the end of the step: forces of the `chosen` slots there.
+        """Return sparse rows (c, 2N) for velocity changes at the end of the step: forces of the `chosen` slots there.
 
-        Normal and tangential ones; tangential ones are None without friction.
+        First normal, then tangential rows; tangential rows are None without friction.
         """
 
 
@@ -163,7 +163,7 @@ class Estimate(NamedTuple):
 
     time          of the state [s]
     displacement  (N, 2) [mm]
-    pressure      (r, k) [MPa] multipliers over the length that belongs to each condition
+    pressure      (r, k) [MPa] multipliers over the length that belongs to each constraint
     """
 
     time: float
@@ -172,26 +172,26 @@ class Estimate(NamedTuple):
 
 
 class ImplicitEquations(Equations, Protocol):
-    """What implicit integrators see in addition to `Equations`.
+    """Additional interface of a model for implicit integrators.
 
     Between `begin_step` and `accept` everything is a trial: `internal_force` starts from the history of the
-    last accepted step, whatever was tried in between; multipliers are those of `contact.conditions`.
+    last accepted step, whatever was tried in between; multipliers are in `contact.conditions`.
 
-    stabilised    whether the next step has failed at all lengths, and an integrator that `stabilises` is to make it in
-                  its second way
-    quasi_static  whether a run with inertia ends when its motion has faded (`end = "auto"`)
+    stabilised    True if the next step failed at all lengths, and an integrator that `stabilises` must use its
+                  second way
+    quasi_static  True if a run with inertia ends when its motion has faded (`end = "auto"`)
     """
 
     stabilised: bool
 
     @property
     def quasi_static(self) -> bool:
-        """Whether a run with inertia ends when its motion has faded."""
+        """True if a run with inertia ends when its motion has faded."""
 
     def internal_force(self, dt: float, share: float = 1.0) -> None:
-        """As `Equations.internal_force`, but for stresses after a `share` of the way from the start of the step.
+        """Compute `Equations.internal_force` with stresses after a `share` of the way from the start of the step.
 
-        `dt` [s] is the time that this share takes. `position` is that of the state's displacement in any case.
+        `dt` [s] is the time of this share. `position` always belongs to the state's displacement.
         """
 
     @property
@@ -199,13 +199,13 @@ class ImplicitEquations(Equations, Protocol):
         """All contact pairs together."""
 
     def begin_step(self, dt: float) -> None:
-        """Take the state as the start of a step of length dt [s], also after it was restored (then of length 0).
+        """Take the state as the start of a step of length dt [s], also after a restore (then of length 0).
 
-        Conditions that depend on time, such as overlaps pushed out in a ramp, are those at the end of the step.
+        Constraints that depend on time, such as overlaps pushed out in a ramp, hold at the end of the step.
         """
 
     def stiffness(self, dt: float) -> Any:
-        """d(internal force)/d(displacement) (2N, 2N) at the last `internal_force`, a SciPy CSC array."""
+        """Return d(internal force)/d(displacement) (2N, 2N) at the last `internal_force`, a SciPy CSC array."""
 
     def add_load_stiffness(self, time: float, stiffness: Any, share: float, rate: float) -> None:
         """Add `share` of -d(external force)/d(displacement) at `time` to a matrix of the pattern of `stiffness`.
@@ -214,15 +214,15 @@ class ImplicitEquations(Equations, Protocol):
         """
 
     def estimate(self, time: float) -> Estimate | None:
-        """A better start for the iteration of a step that ends at `time` [s]; None where none is known."""
+        """Return a better start for the iteration of a step that ends at `time` [s]; None if unknown."""
 
     def folded(self) -> bool:
-        """Whether a cell was folded over at the last `internal_force`."""
+        """Return whether a cell was folded over at the last `internal_force`."""
 
     def iterated(self) -> None:
-        """An iteration has ended with displacements and contact conditions as they are; once for each in `Step.trace`.
+        """Report the end of an iteration with the present displacements and constraints; once per `Step.trace` entry.
 
-        Where the run records it, that state is kept; otherwise nothing happens. An integrator need not call it.
+        If the run records it, this state is kept; otherwise nothing happens. The call is optional.
         """
 
     def accept(self) -> None:

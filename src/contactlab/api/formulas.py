@@ -1,9 +1,9 @@
 """Formulas: small functions of numbers that an author writes once.
 
 A formula takes and returns numbers, tuples of numbers, and the vectors, tensors and named tuples that the core hands to
-it; it knows no arrays. In the body of a part it makes the array method of its name: the core compiles it for numbers
-and for dual numbers, which differentiate it, and loops over points or segments. With `CONTACTLAB_PYTHON=1` in the
-environment it runs as plain Python, under a debugger if need be.
+it; it knows no arrays. In the body of a plugin component it makes the array method of its name: the core compiles it
+for numbers and dual numbers, which differentiate it, and loops over points or segments. With `CONTACTLAB_PYTHON=1` in
+the environment it runs as plain Python, under a debugger if need be.
 """
 
 from __future__ import annotations
@@ -29,19 +29,19 @@ class Formula:
             raise TypeError(f"{function.__qualname__}: a formula takes no self; its parameters are fields of p")
 
     def __call__(self, *arguments: Any) -> Any:
-        """In plain Python, of floats or dual numbers."""
+        """Evaluate in plain Python, on floats or dual numbers."""
         return self.plain(*arguments)
 
     @cached_property
     def plain(self) -> Any:
-        """The function with functions of numbers in place of those of `math` and NumPy, which take floats alone."""
+        """The function with functions of numbers that replace `math` and NumPy functions, which take floats alone."""
         from contactlab.api.compiled.formulas import plain
 
         return plain(self.function)
 
     @cached_property
     def arguments(self) -> tuple[str, ...]:
-        """Names of its arguments: what the core hands to it."""
+        """Names of its arguments, which the core supplies."""
         return tuple(inspect.signature(self.function).parameters)
 
     @property
@@ -52,7 +52,7 @@ class Formula:
 
     @property
     def _numba_type_(self) -> Any:
-        """Called by numba where a kernel calls the formula."""
+        """Return its numba type; numba calls this if a kernel calls the formula."""
         from contactlab.api.compiled.formulas import compiled_point
 
         return compiled_point(self.function)._numba_type_
@@ -62,17 +62,17 @@ class Formula:
 
 
 def formula(function: Callable[..., Any]) -> Any:
-    """Declare a formula, in the body of a part or beside it as a help for other formulas.
+    """Declare a formula, in the body of a plugin component or next to it as a helper for other formulas.
 
     It may use + - * / ** and comparisons, `min`, `max`, `abs`, the functions of `math`, `if`, loops, tuples, other
-    formulas and plain functions of the same kind. Its arguments are named: a part says what it wants to know by name.
-    At a kink, as of `min` or an `if`, the derivative is that of the side on which the values are.
+    formulas and plain functions of the same kind. Argument names state the inputs that it needs.
+    At a kink, as of `min` or an `if`, the derivative is one-sided, on the side of the values.
     """
     return Formula(function)
 
 
 def formulas_of(kind: type) -> dict[str, Formula]:
-    """The formulas of a part by name, those of its base classes included."""
+    """Return the formulas of a plugin component by name, with its base classes."""
     found: dict[str, Formula] = {}
     for base in reversed(kind.__mro__):
         found.update(vars(base).get("__formulas__", {}))
@@ -80,14 +80,14 @@ def formulas_of(kind: type) -> dict[str, Formula]:
 
 
 def install(kind: type, root: type, allowed: Mapping[str, Iterable[str]], methods: str) -> None:
-    """Put array methods in place of the formulas `allowed` in the body of a part, and note all formulas.
+    """Replace the formulas `allowed` in the body of a plugin component by array methods, and note all formulas.
 
-    Formulas of other names are for these: an argument that has such a name is that formula. A method `NAME_by_hand` of
-    the part is the array method of the formula NAME, because it is faster; derivatives still come from the formula.
+    Formulas of other names serve these: an argument with such a name is this formula. A method `NAME_by_hand` of the
+    plugin component is a faster array method of the formula NAME; derivatives still come from the formula.
 
-    allowed  names of formulas, each with the names that its arguments may have besides
+    allowed  names of formulas, each with the names of its other permitted arguments
     methods  module that has a function of each name, called with the part and the arguments of the method
-    root     the abstract class: what follows from a formula is not put over what an author gives
+    root     the abstract class: methods that the author writes are not replaced
     """
     own = {name for name, value in vars(kind).items() if isinstance(value, Formula)}
     helps = (own | set(formulas_of(kind))) - allowed.keys()
@@ -98,7 +98,7 @@ def install(kind: type, root: type, allowed: Mapping[str, Iterable[str]], method
 
 
 def declare(kind: type, allowed: Mapping[str, Iterable[str]]) -> None:
-    """Note the formulas in the body of a part; raise TypeError where one asks for what is not `allowed` by its name."""
+    """Note the formulas in a plugin component's body; TypeError if arguments are not `allowed` for its name."""
     found = {name: value for name, value in vars(kind).items() if isinstance(value, Formula)}
     for name in found.keys() & allowed.keys():
         for argument in found[name].arguments:
@@ -111,7 +111,7 @@ def declare(kind: type, allowed: Mapping[str, Iterable[str]]) -> None:
 
 
 def array_method(like: Callable[..., Any], module: str, name: str) -> Callable[..., Any]:
-    """A method of a part that calls the function `name` of a module, imported when it is first called."""
+    """Return a method of a plugin component that calls `name` of a module, imported at the first call."""
 
     function: Any = None
 
@@ -125,11 +125,11 @@ def array_method(like: Callable[..., Any], module: str, name: str) -> Callable[.
 
 
 def in_python() -> bool:
-    """Whether formulas are to run as plain Python."""
+    """Return whether formulas are to run as plain Python."""
     return os.environ.get("CONTACTLAB_PYTHON", "") not in ("", "0")
 
 
 def members_of(kind: type[Any]) -> str:
-    """The fields and methods of a named tuple that formulas see, as they are written."""
+    """Return the fields and methods of a named tuple that formulas see, as they are written."""
     methods = [name for name, value in vars(kind).items() if inspect.isfunction(value) and not name.startswith("_")]
     return ", ".join([*kind._fields, *(f"{name}()" for name in methods)])

@@ -1,4 +1,4 @@
-"""The data that recorders get of a run: its layout, stored frames, every step's scalars, and events."""
+"""The data of a run for output writers: its layout, stored frames, every step's scalars, and events."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ STATES = ("open", "stick", "slip")
 class ContactCurve:
     """The contact surface at one instant, one entry per slave node (m,), in chain order.
 
-    s               arc length of the undeformed slave surface [mm]; a chain continues that of the one before
+    s               arc length of the undeformed slave surface [mm]; a chain continues the previous chain
     x, y            deformed position [mm]
     pressure        the multiplier Lambda, positive when pressed [MPa]
     shear           positive along the slave's arc length [MPa]
-    nodal_pressure  nodal force per covered length, never negative [MPa]
-    gap             [mm], nan where the node is not covered
+    nodal_pressure  nodal force per overlap length, never negative [MPa]
+    gap             [mm], NaN without overlap
     state           0 open, 1 stick, 2 slip (frictionless contact counts as slip)
     chain           number of the chain that the node belongs to, from 0; sharp corners cut a surface into chains
     memory          what laws of the contact remember, by name
@@ -54,7 +54,7 @@ class ContactCurve:
     )  # fmt: skip
 
     def __eq__(self, other: object) -> bool:
-        """Whether all numbers are the same, nan equal to nan."""
+        """Return whether all numbers are equal, with NaN equal to NaN."""
         if not isinstance(other, ContactCurve):
             return NotImplemented
         one, two = self.columns(), other.columns()
@@ -69,13 +69,13 @@ class ContactCurve:
         return f"ContactCurve({len(self.s)} nodes, {closed} closed, pressure up to {most:.4g})"
 
     def columns(self) -> dict[str, np.ndarray]:
-        """All arrays (m,) by the names that `contact.csv` has: "memory.wear" is the wear that a law remembers."""
+        """Return all arrays (m,) by their names in `contact.csv`: "memory.wear" is the wear that a law remembers."""
         named = {name: getattr(self, name) for name in self.COLUMNS}
         return named | {f"memory.{name}": values for name, values in self.memory.items()}
 
     @classmethod
     def of_table(cls, values: Sequence[Floats] | Floats, memory: Sequence[str] = ()) -> ContactCurve:
-        """The curve whose `columns` are these arrays of floats: the usual ones, then those of `memory`."""
+        """Build the curve whose `columns` are these arrays of floats: the usual columns, then `memory`."""
         usual, more = values[: len(cls.COLUMNS)], values[len(cls.COLUMNS) :]
         known: dict[str, Any] = dict(zip(cls.COLUMNS, map(np.array, usual), strict=True))
         known |= {name: known[name].astype(np.int32) for name in ("state", "chain")}
@@ -87,14 +87,14 @@ class ContactCurve:
         return figure
 
     def to_frame(self) -> pd.DataFrame:
-        """Give a pandas frame with a row for each slave node."""
+        """Return a pandas frame with a row for each slave node."""
         frame: pd.DataFrame = view("frames.curve_frame")(self)
         return frame
 
 
 @dataclass(frozen=True)
 class BodyLayout:
-    """One body: its cells (n, a) in global node numbers, its parts, and the internal variables of its law.
+    """A body: its cells (n, a) in global node numbers, its parts, and the internal variables of its material model.
 
     Nodes of a cell: corners first, then mid-sides, then the middle; 4, 8 or 9 in all.
     """
@@ -107,18 +107,18 @@ class BodyLayout:
 
     @property
     def shown_variables(self) -> tuple[str, ...]:
-        """Internal variables in stored frames: without the stress, which laws in rate form keep in their history."""
+        """Internal variables in stored frames: without the stress that laws in rate form keep in their history."""
         return tuple(name for name in self.internal_variables if not name.startswith("stress_"))
 
 
 @dataclass(frozen=True)
 class ContactLayout:
-    """One contact: `name` is "contacts.0", `label` its name in the scene.
+    """A contact: `name` is "contacts.0", `label` its name in the scene.
 
     slave, master    edge sets in these roles, "disc.arc"
     *_nodes (m,)     global node numbers of each surface
-    *_segments (s, 2)  straight segments, as positions in those
-    memory           names of what its laws remember of each slave node
+    *_segments (s, 2)  straight segments, as positions in these nodes
+    memory           names of the numbers that its laws remember for each slave node
     """
 
     name: str
@@ -141,7 +141,7 @@ class ContactLayout:
 
 @dataclass(frozen=True)
 class Layout:
-    """All that does not change during a run.
+    """All data that does not change during a run.
 
     scene       the scene as a TOML file, with all defaults
     title       the scene's name; units its label of units
@@ -150,7 +150,7 @@ class Layout:
     steps       names of the scalars of every step, see docs/results-in-paraview-and-python.md
     has_velocity  False in statics
     frames      stored frames that the scene asks for
-    budget      [MB] of the contact record, and what else is kept of each step is bounded by
+    budget      [MB] limit of the contact record, and of the other records of each step
     """
 
     scene: str
@@ -170,7 +170,7 @@ class Layout:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """One stored instant.
+    """A stored frame.
 
     scalars       the row of `history.csv`: reactions, energies, contact scalars
     curves        of each contact, by "contacts.0"
@@ -202,12 +202,12 @@ class Event(NamedTuple):
 
 
 class IterationRow(NamedTuple):
-    """One Newton iteration of an attempted step; those of rejected attempts stay in the record.
+    """A Newton iteration of an attempted step; iterations of rejected attempts stay in the record.
 
     step, time [s], dt [s]  number of the step, time at its start, and its length
     attempt, number         attempt at this step, from 1, and iteration within it
     force, contact          residuals, see `contactlab.api.Iteration`, as for the other fields
-    statuses                as digits, contact after contact in the order of slave nodes; `active_set` as numbers
+    statuses                contact states as digits, contact after contact in slave node order; `active_set` as numbers
     """
 
     step: int
@@ -226,7 +226,7 @@ class IterationRow(NamedTuple):
 
     @property
     def active_set(self) -> Ints:
-        """The state of each contact condition (k,) after the iteration: OPEN, STICK or SLIP."""
+        """The state of each contact constraint (k,) after the iteration: OPEN, STICK or SLIP."""
         return np.frombuffer(self.statuses.encode(), np.uint8).astype(np.int32) - ord("0")
 
 
@@ -235,7 +235,7 @@ class Iterate(NamedTuple):
 
     number        of the iteration among all of the run, from 1: `iterations[number - 1]` has its residuals
     displacement  (N, 2) [mm]
-    gap           (k,) [mm] of contact conditions, in the order of `IterationRow.active_set`; nan: no condition
+    gap           (k,) [mm] of contact constraints, in the order of `IterationRow.active_set`; NaN: no constraint
     """
 
     number: int
@@ -244,7 +244,7 @@ class Iterate(NamedTuple):
 
 
 class StoredRun(Protocol):
-    """A run read back from its files, as far as it went."""
+    """A run read back from its files, complete or not."""
 
     layout: Layout
     summary: dict[str, Any]
@@ -256,22 +256,22 @@ class StoredRun(Protocol):
 
     @property
     def last_steps(self) -> Mapping[str, Sequence[Frame]]:
-        """Frames of each of the last steps before a failure or warning, by these names of `contactlab.api.recorder`."""
+        """Frames of each of the last steps before a failure or warning, by the names in `contactlab.api.recorder`."""
         ...
 
     @property
     def events(self) -> Sequence[Event]:
-        """All events of the run in the order in which they happened."""
+        """All events of the run in order of time."""
         ...
 
     @property
     def iterations(self) -> Sequence[IterationRow]:
-        """All Newton iterations of the run, those of rejected steps included."""
+        """All Newton iterations of the run, with rejected steps."""
         ...
 
     @property
     def iterates(self) -> Sequence[Iterate]:
-        """Bodies and contacts after those iterations that were kept, each read when it is accessed."""
+        """Bodies and contacts after the iterations that were kept, each read when it is accessed."""
         ...
 
     @property
@@ -280,7 +280,7 @@ class StoredRun(Protocol):
         ...
 
     def step_blocks(self) -> Iterator[Floats]:
-        """The scalars of every step (b, len(layout.steps)), block after block."""
+        """Yield the scalars of every step (b, len(layout.steps)), block after block."""
         ...
 
     @property
@@ -289,5 +289,5 @@ class StoredRun(Protocol):
         ...
 
     def contact_step_blocks(self) -> Iterator[Mapping[str, np.ndarray]]:
-        """The record of all contacts, rows of `contactlab.api.contact_steps.contact_record` by contact."""
+        """Yield the record of all contacts, rows of `contactlab.api.contact_steps.contact_record` by contact."""
         ...

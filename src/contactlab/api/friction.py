@@ -11,15 +11,15 @@ import numpy as np
 from contactlab.api.arrays import Floats
 
 FrictionNeed = Literal["pressure", "slip_rate", "dt", "time", "position", "cell_size"]
-"""Names that a friction law may need beside fields of the scene, see `FrictionLaw`."""
+"""Names that a friction law may need in addition to fields of the scene, see `FrictionLaw`."""
 
 
 class FrictionBound(NamedTuple):
-    """|y_t| <= min(adhesion * measure, cap * y_n) + coefficient * y_n: the form that all solvers use.
+    """|y_t| <= min(adhesion * measure, cap * y_n) + coefficient * y_n: the form in all solvers.
 
     coefficient [-]   Coulomb: mu; Tresca: 0
     adhesion    [MPa] Tresca's slip bound; Coulomb: 0
-    cap         [-]   inf: the adhesion acts on the whole surface; finite: only where contact is closed
+    cap         [-]   inf: the adhesion acts on the whole surface; finite: only in contact
 
     Numbers, or for laws with needs arrays (k,) of k multipliers.
     """
@@ -29,9 +29,9 @@ class FrictionBound(NamedTuple):
     cap: Any
 
     def limits(self, normal: Floats, measure: Floats) -> tuple[Floats, Floats]:
-        """Largest |y_t| (k,) [N] of conditions under normal forces (k,) [N], and its derivatives as these grow.
+        """Return the largest |y_t| (k,) [N] of constraints under normal forces (k,) [N], and its derivatives by them.
 
-        measure  (k,) [mm] of surface that each stands for
+        measure  (k,) [mm] of surface of each constraint
         """
         pressed, grip, capped = np.maximum(normal, 0.0), self.adhesion * measure, np.isfinite(self.cap)
         cap = np.where(capped, self.cap, 0.0)
@@ -43,20 +43,20 @@ class FrictionBound(NamedTuple):
 class FrictionLaw(ABC):
     """A friction law, without geometry. Subclasses are frozen dataclasses; their fields are the TOML keys.
 
-    A law whose bound is not constant declares what it depends on. Other laws are not affected.
+    A law whose bound is not constant declares its variables. Other laws are not affected.
 
-    needs   names of the keywords that `bound` and `evolve` are called with, for the k multipliers of a contact:
+    needs   names of the keywords passed to `bound` and `evolve`, for the k multipliers of a contact:
 
             pressure   (k,) [MPa], of the last step
-            slip_rate  (k,) [mm/s] of this step, with sign; 0 where nothing presses
+            slip_rate  (k,) [mm/s] of this step, with sign; 0 without pressure
             dt         [s] length of this step
             time       [s] at its end
             position   (k, 2) [mm] of the slave nodes in the last step
             cell_size  (k,) [mm] length of slave surface at each, at the start of the run
             any other name: (k,) a field of the scene (`[fields]`), such as "temperature", at the end of the step
-    memory  names of numbers that it remembers for each multiplier: further keywords, arrays (k,)
+    memory  names of numbers remembered for each multiplier: further keywords, arrays (k,)
 
-    Bounds follow the rate of slip that they lead to. Steps are of first order with a law that has needs. At the start
+    Bounds follow the resulting rate of slip. Steps are of first order with a law that has needs. At the start
     of a run pressures and rates are zero. A rejected step changes nothing: memory, pressures and rates are part of the
     state.
     """
@@ -66,17 +66,17 @@ class FrictionLaw(ABC):
 
     @abstractmethod
     def bound(self, *nothing: Any, **needed: Any) -> FrictionBound:
-        """The law's bound on nodal forces: called once without needs, and with them several times in every step."""
+        """Return the law's bound on nodal forces: called once without needs, else several times in every step."""
 
     def start(self) -> Mapping[str, float]:
-        """Memory at the start of a run, by name; 0 for names that are missing."""
+        """Return memory at the start of a run, by name; 0 for names that are missing."""
         return {}
 
     def evolve(self, *nothing: Any, **needed: Any) -> Mapping[str, Any]:
-        """Memory after an accepted step, by name: arrays (k,). Needed by a law with memory."""
+        """Return memory after an accepted step, by name: arrays (k,). Needed by a law with memory."""
         return {}
 
     @property
     def varies(self) -> bool:
-        """Whether the bound depends on the motion."""
+        """True if the bound depends on the motion."""
         return bool(self.needs or self.memory)

@@ -13,15 +13,15 @@ class Function(ABC):
 
     @abstractmethod
     def values(self, at: Floats) -> Floats:
-        """Factors (n,) [-] at `at` (n,): coordinates or arc lengths [mm], angles [degree], or times [s].
+        """Return factors (n,) [-] at `at` (n,): coordinates or arc lengths [mm], angles [degree], or times [s].
 
         Finite for every finite number; each depends on its own entry of `at` alone.
         """
 
     def breaks(self) -> tuple[float, ...]:
-        """Places or times where the value or its slope may jump. Integrals are split and load increments end there."""
+        """Return places or times with a jump of value or slope. Integrals are split and load increments end there."""
         return ()
 
     def end(self) -> float:
-        """Place or time from which on the value stays the same; infinite if it always changes."""
+        """Return the place or time after which the value is constant; infinite if it always changes."""
         return math.inf

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 from contactlab.api.compiled.late import late
 from contactlab.api.enforcement import Enforcement, ExplicitEnforcement, ImplicitEnforcement
-from contactlab.api.equations import (  # noqa: F401  names that stood here before
+from contactlab.api.equations import (  # noqa: F401  kept for older imports
     ContactDerivatives,
     ContactEquations,
     Equations,
@@ -24,37 +24,37 @@ from contactlab.api.step import Iteration, Step, StepControl, StepStatus  # noqa
 
 
 class Integrator(ABC):
-    """What explicit and implicit integrators have in common. Parts derive from one of the two classes below.
+    """Common base of explicit and implicit integrators. Plugins derive from one of the two classes below.
 
-    Subclasses are frozen dataclasses; their fields are the TOML keys. Clock, reactions and energy ledger belong to
-    the core: a step reads them, and returns reactions and ledger in its `Step`. The duties of an author, each with
-    checks in `contactlab.testing.integrator` (those that do not concern a kind are not applicable to it). For whoever
-    writes `step` by primitives, 1, 2, 10 and 12 are left, and 6 in an explicit scheme; `bind` has all of them:
+    Subclasses are frozen dataclasses; their fields are the TOML keys. Clock, reactions and energy balance belong to
+    the core: a step reads them, and returns reactions and balance in its `Step`. The duties of an author, each with
+    checks in `contactlab.testing.integrator` (duties that do not concern a kind are not applicable to it). An author
+    of `step` by primitives has 1, 2, 10 and 12, and 6 in an explicit scheme; an author of `bind` has all of them:
 
      1. It declares its properties by the class attributes below.
      2. `step`, or the function that `bind` gives, moves `displacement` and `velocity` of the state by one step, in
-        place, with the promised order: from the first step on, under damping, and where the length of steps changes.
+        place, with the promised order: from the first step on, under damping, and with steps of varying length.
      3. A step ends with `internal_force(dt)` at the new displacement, so that positions, stresses and `internal_force`
         belong to its end.
-     4. Prescribed degrees of freedom end where `prescribed` puts them, to round-off, and no force moves them.
-     5. Loads are those of `external_force` at times within the step.
-     6. Contact forces come from `contact`, where that is not None, in the same step as the motion that they stop, act
+     4. Prescribed degrees of freedom end at `prescribed` positions, to round-off, and no force moves them.
+     5. Loads come from `external_force` at times within the step.
+     6. Contact forces come from `contact`, if it is not None, in the same step as the motion that they stop, act
         on velocities as well as displacements, and are stored in `contact_force`.
-     7. `Step.work` is the ledger with the work of every force in the step, so that it balances with kinetic energy.
+     7. `Step.work` is the energy balance with the work of every force in the step, so that it matches kinetic energy.
      8. `Step.reaction` holds the forces of the supports, whatever else acts on their nodes.
      9. The clock is read (`state.time`, `state.step`) and never written.
-    10. All that a step needs from earlier steps is in the state: `memory` declares fields beyond those that every
-        run has. Bound again to a restored state, it continues with the same bits.
+    10. All that a step needs from earlier steps is in the state: `memory` declares fields in addition to the fields of
+        every run. Bound again to a restored state, it continues with the same bits.
     11. A step that is not accepted gives the reason, and leaves the state unchanged, to the last bit.
-    12. Energy never grows, and is only lost where the class declares that it `dissipates`.
+    12. Energy never grows, and is only lost if the class declares that it `dissipates`.
     13. All else is read-only: reference, mass, prescribed motion, and the arrays of loads and contact.
 
     needs                the enforcement class it works with, set by its kind
-    default_enforcement  used by contacts that name none, so that integrators can be varied alone
+    default_enforcement  used by contacts that name none, so that the integrator alone can be varied
     order                of its error in the length of steps, checked on an oscillator
     inertia              False for statics: no mass is assembled
     dissipates           True for a scheme that dissipates energy by itself
-    without              effects of this integrator ("inertia"), each with the integrator that leaves it out
+    without              effects of this integrator ("inertia"), each with an integrator without it
     by_default           tried by scenes with `integrator = "auto"` that give no order
     """
 
@@ -67,29 +67,29 @@ class Integrator(ABC):
     by_default: ClassVar[bool] = False
 
     def enforcement(self) -> Mapping[str, Any]:
-        """The enforcement of contacts that name none, as a scene would write it: `default_enforcement`."""
+        """Return the enforcement of contacts that name none, as a scene would write it: `default_enforcement`."""
         return {"use": self.default_enforcement}
 
     def control(self) -> StepControl | None:
-        """Chooses step lengths from the errors that steps report; None: the scene does, by `time` and `steps`.
+        """Controls step lengths by the errors of steps; None: the scene gives lengths, by `time` and `steps`.
 
-        Lengths start as without it. Explicit steps stay below the stable one, implicit ones are not limited by the
+        Lengths start as without it. Explicit steps stay below the stable step, implicit steps are not limited by the
         number of steps that the scene wishes; both end at every frame and at the end of the run.
         """
         return None
 
     def memory(self, nodes: int) -> Mapping[str, tuple[int, ...]]:
-        """Shapes of further state fields that the integrator needs, by name."""
+        """Return shapes of further state fields that the integrator needs, by name."""
         return {}
 
 
 class ExplicitIntegrator(Integrator):
-    """Steps that follow from the state before them, limited by the stable step; see `Integrator` for the duties.
+    """Base of integrators whose steps follow from the state before, up to the stable step; see `Integrator` for duties.
 
-    A scheme of kicks and drifts writes `step`: of the duties 1, 2, 6, 10 and 12 are left. Any other writes `bind`.
+    A scheme of kicks and drifts writes `step`: duties 1, 2, 6, 10 and 12 are left. Any other writes `bind`.
 
     velocity_lag  fraction of a step by which `velocity` lags behind `time`: 0.5 for leapfrog schemes, 0 for schemes
-                  whose velocities are those at the end of the step
+                  with velocities at the end of the step
     """
 
     needs: ClassVar[type[Enforcement]] = ExplicitEnforcement
@@ -101,9 +101,9 @@ class ExplicitIntegrator(Integrator):
         raise NotImplementedError
 
     def bind(self, equations: ExplicitEquations, state: State) -> Callable[[float], Step]:
-        """A function that advances `state` in place by one step of the given length [s]; by default that of `step`.
+        """Return a function that advances `state` in place by a step of given length [s]; by default it calls `step`.
 
-        Called once per run; all arrays of `state` stay where they are for the whole run.
+        Called once per run; all arrays of `state` stay in place for the whole run.
         The state is as built (t = 0, initial velocities) or restored from a snapshot.
         """
         advance: Callable[[float], Step] = late("contactlab.model.motion").bound(self, equations, state)
@@ -111,13 +111,13 @@ class ExplicitIntegrator(Integrator):
 
 
 class ImplicitIntegrator(Integrator):
-    """Steps that solve for the state at their end; see `Integrator` for the duties. Velocities are those of `time`.
+    """Base of integrators that solve for the state at the end of the step; see `Integrator`. Velocities are at `time`.
 
-    A scheme that relates velocities and accelerations to the motion of the step writes `step`: of the duties 1, 2, 10
-    and 12 are left. Any other writes `bind`. Two names of `memory` are the core's, and ask for what it then does:
-    `moved` (N, 2), load steps that start with the motion of the last one, and `impact` (3,), steps that end at impacts.
+    A scheme that relates velocities and accelerations to the motion of the step writes `step`: duties 1, 2, 10
+    and 12 are left. Any other writes `bind`. The core acts on two names of `memory`:
+    `moved` (N, 2): load steps start with the motion of the last step; `impact` (3,): steps end at impacts.
 
-    tolerance   largest residual, of forces over the largest force and of contact in segment lengths, that is accepted
+    tolerance   largest accepted residual, of forces over the largest force and of contact in segment lengths
     iterations  most iterations of a step before it is cut; both may be fields, and so keys of the scene
     """
 
@@ -130,18 +130,18 @@ class ImplicitIntegrator(Integrator):
         return 20
 
     def fixes_steps(self) -> bool:
-        """Whether the scene gives this number; otherwise a loading that goes to and fro is given more."""
+        """True if the scene gives this number; otherwise cyclic loading gets more steps."""
         return True
 
     def stabilises(self) -> bool:
-        """Whether steps can be made in a second way where there is no equilibrium near: see `ImplicitEquations`."""
+        """Return whether steps can be made in a second way if no equilibrium is near: see `ImplicitEquations`."""
         return False
 
     def for_coarser_levels(self) -> ImplicitIntegrator | None:
-        """The integrator that solves coarser levels of the meshes first, where the end does not depend on the path.
+        """Return the integrator for coarser mesh levels, solved first if the end does not depend on the path.
 
-        Each step then ends where the loading ends or turns, and `ImplicitEquations.estimate` gives its start.
-        None: every scene is solved in load steps.
+        Each step then ends when the loading ends or turns, and `ImplicitEquations.estimate` gives its start.
+        None: every scene is solved in load increments.
         """
         return None
 
@@ -150,9 +150,9 @@ class ImplicitIntegrator(Integrator):
         raise NotImplementedError
 
     def bind(self, equations: ImplicitEquations, state: State) -> Callable[[float], Step]:
-        """A function that advances `state` in place by one step of the given length [s]; by default that of `step`.
+        """Return a function that advances `state` in place by a step of given length [s]; by default it calls `step`.
 
-        Called once per run; all arrays of `state` stay where they are for the whole run.
+        Called once per run; all arrays of `state` stay in place for the whole run.
         The state is as built (t = 0, initial velocities) or restored from a snapshot.
         """
         advance: Callable[[float], Step] = late("contactlab.implicit.motion").bound(self, equations, state)

@@ -1,4 +1,4 @@
-"""Materials: plane-strain laws on blocks of points."""
+"""Materials: plane-strain material models on blocks of points."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from contactlab.api.formulas import array_method, formulas_of, install
 Kinematics = Literal["small", "finite", "rate"]
 
 MaterialNeed = Literal["position", "time", "cell_size"]
-"""Names that a law may need beside fields of the scene, see `Material`."""
+"""Names that a law may need in addition to fields of the scene, see `Material`."""
 
 _FORMULAS = ("stress", "energy", "dissipation")
 _KINEMATICS: dict[str, Kinematics] = {"F": "finite", "H": "small", "G": "rate"}
@@ -25,13 +25,13 @@ def _rows(need: str) -> tuple[str, ...]:
 
 
 class Material(ABC):
-    """A plane-strain law. Subclasses are frozen dataclasses; their fields are the TOML keys.
+    """A plane-strain material model (law). Subclasses are frozen dataclasses; their fields are the TOML keys.
 
     A law is written by formulas, `stress(F, p)` and perhaps `energy(F, p)` of a point (docs/parts/material.md), from
     which the core makes all methods below, or by `stress` of a block of points in NumPy or numba.
 
     density        [t/mm3], a field of every law
-    kinematics     meaning of the `gradient` that the law is given, and geometry on which forces act:
+    kinematics     meaning of the `gradient` argument, and geometry on which forces act:
                    "small"   du/dX, forces on the undeformed geometry (displacements small)
                    "finite"  dX/dx, the inverse of the deformation gradient, forces on the current geometry
                    "rate"    the gradient of the displacement increment by positions at the middle of the step,
@@ -44,15 +44,15 @@ class Material(ABC):
                    as "temperature" (`[fields]`). The core keeps them in rows of `history` behind the law's own and
                    adds them to `history_names`, the position as "x" and "y"; formulas name them as arguments
     rate_dependent True for a law whose stress depends on `dt`, the time that a change of strain takes (creep,
-                   relaxation, viscosity): static load steps then advance time as well as load
-    time_scale     name of the field [s] that says how fast a `rate_dependent` law relaxes; checks take steps around it
-    stress_free    False for a law that has a stress where nothing is deformed (thermal strain, residual stress)
+                   relaxation, viscosity): static load increments then advance time as well as load
+    time_scale     name of the field [s] with the relaxation time of a `rate_dependent` law; checks take steps around it
+    stress_free    False for a law with a stress at zero deformation (thermal strain, residual stress)
     implicit_euler  True for a "small" or "finite" law whose history advances by an implicit Euler step, from `history`
-                   to the state at `gradient`, and is that of the undeformed body (it does not turn with it): implicit
-                   integrators then integrate flow to second order in the step, by asking `stress` along the way
+                   to the state at `gradient`, and belongs to the undeformed body (it does not turn with it): implicit
+                   integrators then integrate flow to second order in the step, by calls of `stress` along the way
     isotropic      False for a law with directions of its own
-    without        effects of this law ("finite strain", "plasticity"), each with the law that leaves it out
-    beyond         effects that this law leaves out, each with the law that has it
+    without        effects of this law ("finite strain", "plasticity"), each with a law without it
+    beyond         effects that this law leaves out, each with a law that has it
     """
 
     density: float
@@ -89,21 +89,21 @@ class Material(ABC):
 
     @classmethod
     def own_history(cls) -> int:
-        """Rows of the history that the law fills; the core fills those behind them, which it `needs`."""
+        """Return the rows of the history that the law fills; the core fills the rows behind them, which it `needs`."""
         return cls.history_size - sum(len(_rows(need)) for need in cls.needs)
 
     @abstractmethod
     def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
         """Fill Cauchy `stress` (4, P) [MPa] and `new_history` (h, P).
 
-        `gradient` (4, P) is defined by `kinematics`; `history` is that of the last accepted step.
+        `gradient` (4, P) is defined by `kinematics`; `history` belongs to the last accepted step.
         `history` and `new_history` may be the same array: read a point before you write it. Rows that the law `needs`
         are filled in both.
         `dt` [s] is the step that led here (0 before the first step).
         """
 
     def wave_speeds(self) -> tuple[float, float]:
-        """Dilatational and shear speed [mm/s] of the undeformed material; they set the stable step.
+        """Return dilatational and shear speed [mm/s] of the undeformed material; they set the stable step.
 
         The default finds them from the tangent at rest.
         """
@@ -112,9 +112,9 @@ class Material(ABC):
         return speeds_at_rest(self)
 
     def stiffening(self, gradient: Floats, stress: Floats, out: Floats) -> None:
-        """Fill out (P,) with a bound of the fastest wave's modulus at each point, over that of `wave_speeds` at rest.
+        """Fill out (P,) with a bound of the fastest wave's modulus over its value at rest (`wave_speeds`).
 
-        Explicit steps are shortened by its root: where the bound is too low, a run diverges. The modulus is the largest
+        Explicit steps are shortened by its root: if the bound is too low, a run diverges. The modulus is the largest
         eigenvalue of the acoustic tensor on the current geometry, in any direction. The default finds it from `tangent`
         for "finite" laws without history that do not depend on the rate, at the cost of many stresses, and is 1 for all
         others: laws in rate form and laws with history that stiffen must override it.
@@ -127,16 +127,16 @@ class Material(ABC):
             out[:] = 1.0
 
     def tangent(self, gradient: Floats, history: Floats, dt: float, tangent: Floats) -> None:
-        """Fill `tangent` (4, 4, P): d(stress row)/d(gradient row), of the stress that `stress` gives.
+        """Fill `tangent` (4, 4, P): d(stress row)/d(gradient row), of the result of `stress`.
 
-        The default takes central differences of `stress`: right, at the cost of eight calls of it.
+        The default takes central differences of `stress`: accurate, at the cost of eight calls of `stress`.
         """
         from contactlab.api.differences import tangent_by_differences
 
         tangent_by_differences(self, gradient, history, dt, tangent)
 
     def complete_history(self, history: Floats) -> None:  # noqa: B027
-        """Set rows of `history` (h, P) that follow from others, after all were extrapolated linearly.
+        """Set rows of `history` (h, P) that follow from others, after linear extrapolation of all rows.
 
         Only called on laws that declare `implicit_euler`.
         """
@@ -149,12 +149,12 @@ class Material(ABC):
         raise NotImplementedError(f"{type(self).__name__} declares no stored energy")
 
     def elastic_limit(self) -> float:
-        """Von Mises stress [MPa] beyond which the material would yield, but the law does not; inf where it has none.
+        """Return the von Mises stress [MPa] beyond which the material, but not the law, would yield; inf without one.
 
         A run that exceeds it warns at its end.
         """
         return math.inf
 
     def dissipation(self, gradient: Floats, history: Floats, dissipation: Floats) -> None:
-        """Fill the energy dissipated so far, per volume like `energy`, (P,) [mJ/mm3]; the default is none."""
+        """Fill the energy dissipated so far, per volume like `energy`, (P,) [mJ/mm3]; the default is 0."""
         dissipation[:] = 0.0

@@ -23,7 +23,7 @@ pi, e, inf, nan = math.pi, math.e, math.inf, math.nan
 
 
 class DualNumber:
-    """A value and its derivatives (d,). Comparisons look at the value: a kink has the derivative of its side."""
+    """A value and its derivatives (d,). Comparisons use the value: at a kink the derivative is one-sided."""
 
     __array_ufunc__ = None
     __slots__ = ("derivatives", "value")
@@ -107,99 +107,99 @@ def _parts(number: Any) -> tuple[float, Any]:
 
 
 def _chain(value: float, *changes: tuple[float, Any]) -> Any:
-    """A function's value, dual if one of its arguments is; changes = (its derivative by an argument, the argument)."""
+    """Return a function's value, dual if an argument is; changes = (its derivative by an argument, the argument)."""
     duals = [slope * number.derivatives for slope, number in changes if isinstance(number, DualNumber)]
     return DualNumber(value, sum(duals[1:], start=duals[0])) if duals else value
 
 
 def sqrt(x: Any) -> Any:
-    """Square root."""
+    """Return the square root."""
     found = math.sqrt(_parts(x)[0])
     return _chain(found, (0.5 / found if found else inf, x))
 
 
 def exp(x: Any) -> Any:
-    """Exponential."""
+    """Return the exponential."""
     found = math.exp(_parts(x)[0])
     return _chain(found, (found, x))
 
 
 def log(x: Any) -> Any:
-    """Natural logarithm; nan where x is not positive, as in kernels."""
+    """Return the natural logarithm; NaN if x is not positive, as in kernels."""
     value = _parts(x)[0]
     return _chain(math.log(value) if value > 0.0 else nan, (1.0 / value if value else inf, x))
 
 
 def sin(x: Any) -> Any:
-    """Sine."""
+    """Return the sine."""
     value = _parts(x)[0]
     return _chain(math.sin(value), (math.cos(value), x))
 
 
 def cos(x: Any) -> Any:
-    """Cosine."""
+    """Return the cosine."""
     value = _parts(x)[0]
     return _chain(math.cos(value), (-math.sin(value), x))
 
 
 def tan(x: Any) -> Any:
-    """Tangent."""
+    """Return the tangent."""
     found = math.tan(_parts(x)[0])
     return _chain(found, (1.0 + found * found, x))
 
 
 def asin(x: Any) -> Any:
-    """Inverse sine."""
+    """Return the inverse sine."""
     value = _parts(x)[0]
     return _chain(math.asin(value), (1.0 / math.sqrt(1.0 - value * value), x))
 
 
 def acos(x: Any) -> Any:
-    """Inverse cosine."""
+    """Return the inverse cosine."""
     value = _parts(x)[0]
     return _chain(math.acos(value), (-1.0 / math.sqrt(1.0 - value * value), x))
 
 
 def atan(x: Any) -> Any:
-    """Inverse tangent."""
+    """Return the inverse tangent."""
     value = _parts(x)[0]
     return _chain(math.atan(value), (1.0 / (1.0 + value * value), x))
 
 
 def sinh(x: Any) -> Any:
-    """Hyperbolic sine."""
+    """Return the hyperbolic sine."""
     value = _parts(x)[0]
     return _chain(math.sinh(value), (math.cosh(value), x))
 
 
 def cosh(x: Any) -> Any:
-    """Hyperbolic cosine."""
+    """Return the hyperbolic cosine."""
     value = _parts(x)[0]
     return _chain(math.cosh(value), (math.sinh(value), x))
 
 
 def tanh(x: Any) -> Any:
-    """Hyperbolic tangent."""
+    """Return the hyperbolic tangent."""
     found = math.tanh(_parts(x)[0])
     return _chain(found, (1.0 - found * found, x))
 
 
 def hypot(x: Any, y: Any) -> Any:
-    """Root of x^2 + y^2."""
+    """Return the root of x^2 + y^2."""
     a, b = _parts(x)[0], _parts(y)[0]
     found = math.hypot(a, b)
     return _chain(found, (a / found if found else nan, x), (b / found if found else nan, y))
 
 
 def atan2(y: Any, x: Any) -> Any:
-    """Angle of the vector (x, y)."""
+    """Return the angle of the vector (x, y)."""
     b, a = _parts(y)[0], _parts(x)[0]
     square = a * a + b * b
     return _chain(math.atan2(b, a), (a / square if square else nan, y), (-b / square if square else nan, x))
 
 
 def power(x: Any, exponent: Any) -> Any:
-    """x ** exponent."""
+    """Return x ** exponent."""
     a, b = _parts(x)[0], _parts(exponent)[0]
     found = a**b
     by_base = b * a ** (b - 1.0) if b != 0.0 and isinstance(x, DualNumber) else 0.0
@@ -208,41 +208,41 @@ def power(x: Any, exponent: Any) -> Any:
 
 
 def fabs(x: Any) -> Any:
-    """Absolute value."""
+    """Return the absolute value."""
     return abs(x)
 
 
 def copysign(x: Any, y: Any) -> Any:
-    """x with the sign of y."""
+    """Return x with the sign of y."""
     a = abs(x)
     return -a if math.copysign(1.0, _parts(y)[0]) < 0.0 else a
 
 
 def minimum(x: Any, y: Any) -> Any:
-    """The smaller of two numbers."""
+    """Return the smaller of two numbers."""
     return y if y < x else x
 
 
 def maximum(x: Any, y: Any) -> Any:
-    """The larger of two numbers."""
+    """Return the larger of two numbers."""
     return y if y > x else x
 
 
 def where(condition: bool, x: Any, y: Any) -> Any:
-    """x if a condition holds, else y."""
+    """Return x if a condition holds, else y."""
     return x if condition else y
 
 
 def isnan(x: Any) -> bool:
-    """Whether a value is not a number."""
+    """Return whether a value is NaN."""
     return math.isnan(_parts(x)[0])
 
 
-# the names that NumPy has for them
+# NumPy's names for them
 absolute, arcsin, arccos, arctan, arctan2 = fabs, asin, acos, atan, atan2
 
 
 def seeds(values: Any) -> list[DualNumber]:
-    """Numbers, each of which is a direction itself."""
+    """Return numbers, each of which is a direction itself."""
     unit = np.eye(len(values))
     return [DualNumber(float(value), unit[i]) for i, value in enumerate(values)]

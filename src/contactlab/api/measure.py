@@ -14,14 +14,14 @@ class RunMeasure(ABC):
 
     1. `evaluate` finds the number in the record of a run with its whole load applied: the summary, the history and the
        last curve of the compared contact, and no fields.
-    2. It returns nan where the number has no meaning: no pressure at all, no reference where it needs one.
+    2. It returns NaN if the number has no meaning: no pressure at all, or no reference although it needs one.
     3. It changes nothing, and returns the same in every call.
 
     title    heading of its column
     unit     "share" (0.01 is shown as 1 %), "" for none, or the kind of a unit: "length", "pressure", "line_force" ...
     meaning  one sentence
     digits   significant digits that are shown
-    better   "small" where less is better, "" where neither is
+    better   "small" if less is better, "" if neither is
     """
 
     title: ClassVar[str]
@@ -32,8 +32,8 @@ class RunMeasure(ABC):
 
     @abstractmethod
     def evaluate(self, record: Record, contact: str, reference: Solution | None) -> float:
-        """The number of one run.
+        """Return the number of one run.
 
-        contact    the compared one, "contacts.0": its last curve is `record.curve(contact)`
-        reference  the solution that the comparison measures against, None where none fits
+        contact    the compared contact, "contacts.0": its last curve is `record.curve(contact)`
+        reference  the solution that the comparison measures against, None if none fits
         """

@@ -12,7 +12,7 @@ from contactlab.api.element import Element
 
 @dataclass(frozen=True)
 class Mesh:
-    """One body's mesh.
+    """Mesh of a body.
 
     nodes  (N, 2) [mm]
     cells  (n, a) int32, counter-clockwise, in the node order of the element
@@ -29,4 +29,4 @@ class MeshSource(ABC):
 
     @abstractmethod
     def mesh(self, element: Element, level: int) -> Mesh:
-        """The mesh for `element`, all cell counts multiplied by `level` >= 1."""
+        """Return the mesh for `element`, all cell counts multiplied by `level` >= 1."""

@@ -16,12 +16,12 @@ Map = Callable[[Floats, Floats], tuple[Floats, Floats]]
 
 
 def lattice_order(element: Element) -> int:
-    """Lattice steps per cell side: 2 where the element has nodes between its corners."""
+    """Return lattice steps per cell side: 2 if the element has nodes between its corners."""
     return 1 if np.all(np.abs(element.nodes) == 1.0) else 2
 
 
 def structured(element: Element, cells: tuple[int, int], place: Map) -> Mesh:
-    """A grid of `cells` (columns, rows) over the unit square, mapped by `place`.
+    """Return a grid of `cells` (columns, rows) over the unit square, mapped by `place`.
 
     Nodes between corners are mapped too, so that they lie on curved sides. Edge sets: bottom,
     right, top, left.
@@ -46,7 +46,7 @@ def _sides(element: Element, cells: Ints, columns: int, rows: int) -> dict[str, 
 
 
 def side_nodes(element: Element, name: str) -> list[int]:
-    """Local nodes of the side at the bottom, right, top or left of the reference square."""
+    """Return local nodes of the side at the bottom, right, top or left of the reference square."""
     axis, value = {"bottom": (1, -1.0), "right": (0, 1.0), "top": (1, 1.0), "left": (0, -1.0)}[name]
     for edge in element.edges:
         if np.all(element.nodes[list(edge), axis] == value):
@@ -55,5 +55,5 @@ def side_nodes(element: Element, name: str) -> list[int]:
 
 
 def renamed(mesh: Mesh, names: Mapping[str, str]) -> Mesh:
-    """The mesh with other names for its edge sets; sets without a new name are left out."""
+    """Return the mesh with other names for its edge sets; sets without a new name are left out."""
     return replace(mesh, edges={new: mesh.edges[old] for old, new in names.items()})

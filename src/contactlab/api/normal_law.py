@@ -14,7 +14,7 @@ from contactlab.api.enforcement import Enforcement
 from contactlab.api.formulas import install
 
 NormalNeed = Literal["traction", "slip_rate", "dt", "time", "position"]
-"""Names that a pressure law may need beside fields of the scene, see `NormalLaw`."""
+"""Names that a pressure law may need in addition to fields of the scene, see `NormalLaw`."""
 
 _BEHIND = ("stiffness", "size", "p")
 _REFUSED = {
@@ -25,23 +25,23 @@ _REFUSED = {
     "size": "it is always given",
     "p": "formulas are always given it",
 }
-_PANELS = 32  # of the integral of a pressure: 4 Gauss points in each follow an exponential to round-off
+_PANELS = 32  # of the integral of a pressure: 4 Gauss points in each resolve an exponential to round-off
 
 
 class NormalLaw(Enforcement):
-    """An enforcement that is written as the pressure of a gap, for explicit and implicit integrators alike.
+    """An enforcement given by a pressure as a function of the gap, for explicit and implicit integrators alike.
 
-    Subclasses are frozen dataclasses; their fields are the TOML keys. The force of a condition is the pressure times
+    Subclasses are frozen dataclasses; their fields are the TOML keys. The force of a constraint is the pressure times
     the length of slave surface that belongs to it; the core differentiates a formula, shortens explicit steps by the
-    slope, and counts what the surfaces store as energy. Friction is exact under these normal forces: Coulomb's cone
+    slope, and counts the energy stored in the surfaces. Friction is exact under these normal forces: Coulomb's cone
     without springs.
 
-    A formula `pressure` takes what it needs of `gap` [mm], `stiffness` [MPa/mm] of the cells behind both surfaces (the
+    A formula `pressure` may take `gap` [mm], `stiffness` [MPa/mm] of the cells behind both surfaces (the
     dilatational modulus over the depth of a cell, both sides in series), `size` [mm] of the slave's segments there, and
     `p`, the numbers among the fields; it returns the pressure [MPa]. A law without a formula gives the array method.
 
-    needs   what else pressures follow from, by name; nobody else pays for it. Formulas name them as arguments, array
-            methods get them as keywords:
+    needs   further quantities that pressures depend on, by name; others cost nothing. Formulas name them as arguments,
+            array methods get them as keywords:
 
             slip_rate  (k,) [mm/s] of the last step, in `evolve` of this one, with sign; the contact needs friction
             dt         [s] length of this step
@@ -50,10 +50,10 @@ class NormalLaw(Enforcement):
             any other name: (k,) a field of the scene (`[fields]`) at this time, such as "temperature"
 
             "traction", alone: the formula may take `traction` [MPa], the normal stress of the cells behind the slave at
-            its nodes, positive in tension, and `stiffness` is that of these cells alone; the array method has two more
+            its nodes, positive in tension, and `stiffness` counts these cells alone; the array method has two more
             arguments, `traction` (k,) and `by_traction` (k,), the derivative by it, -1 to 0, to be filled. Such a law
             may give `adjoint`. It is for statics, and its slave belongs to a body whose element is its tables (q1, q2)
-    memory  names of numbers that it remembers for each condition: further arguments, changed by `evolve`. They are part
+    memory  names of numbers remembered for each constraint: further arguments, changed by `evolve`. They are part
             of the state, and belong to points of the slave; a rejected step changes none of them
     """
 
@@ -78,7 +78,7 @@ class NormalLaw(Enforcement):
 
     @classmethod
     def named(cls) -> tuple[str, ...]:
-        """Names of all that it needs and remembers."""
+        """Return names of all that it needs and remembers."""
         return (*cls.needs, *cls.memory)
 
     @abstractmethod
@@ -88,19 +88,19 @@ class NormalLaw(Enforcement):
         """Fill `pressure` (k,) [MPa], at least 0, and `slope` (k,) [MPa/mm], its derivative by the gap, at most 0.
 
         gap (k,) [mm], stiffness (k,) [MPa/mm] of the cells behind, size (k,) [mm] of the slave's segments. Each entry
-        depends on its own gap alone, and a larger gap has no larger pressure. `named` is what the law needs and
-        remembers, by name; `more` are the two arrays of a traction.
+        depends on its own gap alone, and a larger gap has no larger pressure. `named` are needed and remembered
+        quantities, by name; `more` are the two arrays of a traction.
         """
 
     def start(self) -> Mapping[str, float]:
-        """Memory at the start of a run, by name; 0 for names that are missing."""
+        """Return memory at the start of a run, by name; 0 for names that are missing."""
         return {}
 
     def evolve(self, *nothing: Any, **named: Any) -> Mapping[str, Any]:
-        """Memory after an accepted step, by name: numbers or arrays (k,). Needed by a law with memory.
+        """Return memory after an accepted step, by name: numbers or arrays (k,). Needed by a law with memory.
 
         It is called with all that the law needs and remembers, and with `gap`, `pressure`, `stiffness` and `size`, (k,)
-        each; gaps above `begins` are given as that. A formula takes what it names of these and `p`, and returns a
+        each; gaps above `begins` are given as `begins`. A formula takes what it names of these and `p`, and returns a
         number, or as many as `memory` has names.
         """
         return {}
@@ -115,28 +115,28 @@ class NormalLaw(Enforcement):
         traction: Floats,
         by_traction: Floats,
     ) -> None:
-        """Fill `adjoint` (k,) [mm], the displacements that the derivatives of tractions work on, and their derivatives.
+        """Fill `adjoint` (k,) [mm], the displacements that work on the derivatives of tractions, and their derivatives.
 
-        The forces of a condition include, on all nodes u of the cells behind it, length * adjoint * d(traction)/du: the
-        terms that make Nitsche's method adjoint consistent or skew-symmetric. They vanish in the exact solution, where
-        the pressure is minus the traction. A formula takes `pressure` and `traction` [MPa], `stiffness`, `size` and
+        The forces of a constraint include, on all nodes u of the cells behind, length * adjoint * d(traction)/du: the
+        terms that make Nitsche's method adjoint consistent or skew-symmetric. They vanish in the exact solution, with
+        pressure equal to minus the traction. A formula takes `pressure` and `traction` [MPa], `stiffness`, `size` and
         `p`. The default leaves zeros, and such a law has none of these forces.
         """
 
     def begins(self) -> float:
-        """Gap [mm] from which on there is no pressure; 0, the default, for a law of overlaps alone."""
+        """Return the gap [mm] beyond which there is no pressure; 0, the default, for a law of overlaps alone."""
         return 0.0
 
     def energy(self, gap: Floats, stiffness: Floats, size: Floats, *nothing: Any, **named: Any) -> Floats:
-        """Energy per length (k,) [mJ/mm2 of surface] that a gap (k,) stores.
+        """Return the stored energy per length (k,) [mJ/mm2 of surface] of a gap (k,).
 
-        The default is the integral of the pressure over gaps under the memory as it is: what a law has dissipated is
-        not in it. A law that needs "dt" stores nothing by default.
+        The default is the integral of the pressure over gaps under the present memory, without the energy dissipated
+        by a law. A law that needs "dt" stores nothing by default.
         """
         first = self.begins()
         depth = np.maximum(first - gap, 0.0)
         nodes, weights = np.polynomial.legendre.leggauss(4)
-        # panels are shorter towards the gap, where curves are steep
+        # panels are shorter towards the gap, as curves are steep there
         edges = 1.0 - np.linspace(1.0, 0.0, _PANELS + 1) ** 2
         total, pressure, slope = np.zeros_like(gap), np.zeros_like(gap), np.zeros_like(gap)
         if "dt" in self.needs:

@@ -1,4 +1,4 @@
-"""The entry of a part in a plugin: known before any of its code is imported."""
+"""The entry of a plugin component (part): known before any of its code is imported."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ NEW_IN_2: Final[Mapping[str, str]] = {
     "integrator": "derive from ExplicitIntegrator or ImplicitIntegrator and drop the attributes needs, explicit "
     "and, of explicit ones, inertia; give work and reaction in every accepted Step; leave the clock, and the fields "
     "reaction and last_dt of your memory, to the core; call begin of the equations begin_step",
-    "contact": "take one ContactView in place of slave, master, at, near, reach and memory in pieces, normals and "
+    "contact": "take one ContactView instead of slave, master, at, near, reach and memory in pieces, normals and "
     "conditions; call slopes derivatives, and PieceSlopes PieceDerivatives",
     "enforcement": "call ChainedRows FactoredRows, chained factored, and solve_chained solve_factored",
 }
@@ -39,7 +39,7 @@ NEW_IN_2: Final[Mapping[str, str]] = {
 
 
 def what_to_change(kind: str, version: int) -> str:
-    """Advice on how to bring a part of a kind from `version` of the contract to this one."""
+    """Return advice on how to bring a part of a kind from `version` of the contract to this version."""
     if version != 1:
         return f"install a release of contactlab with version {version} of the contract, or a newer one of the part"
     return NEW_IN_2.get(kind, "nothing but api=2, if its tests pass")
@@ -47,13 +47,13 @@ def what_to_change(kind: str, version: int) -> str:
 
 @dataclass(frozen=True)
 class Part:
-    """One part on offer: enough to list it, and the place to import it from when a scene uses it.
+    """A plugin component on offer: enough to list it, and its import path.
 
     kind       one of `KINDS`
     name       kebab-case, as written in a scene: "mortar-p0"
     target     "package.module:ClassName", imported only when a scene uses the part
     summary    one line for `contactlab parts`
-    reference  where the method is published
+    reference  publication of the method
     api        version of the contract that the part was written for
     """
 

@@ -1,4 +1,4 @@
-"""Contact at points of the slave by one formula: where on the master a point is."""
+"""Contact at points of the slave by one formula: the projection point on the master."""
 
 from __future__ import annotations
 
@@ -23,21 +23,21 @@ _ARGUMENTS: Final[Mapping[str, tuple[str, ...]]] = {"foot": ("x", "master", "p")
 class PointContact(ContactAlgorithm):
     """Points of the slave that stay outside the master, by one formula.
 
-        foot(x, master)  where on a master segment the point x is: eta, 0 at its start and 1 at its end
+        foot(x, master)  projection of the point x on a master segment: eta, 0 at its start and 1 at its end
 
-    A formula may also ask for p, the numbers among the fields of the part. Points are those of `points`:
+    A formula may also ask for p, the numbers among the fields of the plugin component. Points come from `points`:
 
-    - 0, the nodes: each has a condition of its own, along the normal of the master at its foot. A node stands for half
-      of its edges, or for 1/6, 4/6 and 1/6 of a quadratic one, so that multipliers are pressures. At a concave corner
+    - 0, the nodes: each has its own constraint, along the normal of the master at its projection. A node has half
+      of its edges, or 1/6, 4/6 and 1/6 of a quadratic edge, so that multipliers are pressures. At a concave corner
       of the master both segments hold the node. Convex corners and ends of the master are points that stay outside the
       slave's segments.
     - n, Gauss points of each slave segment: they share the multipliers of its two nodes, linear between these, so there
-      are no more conditions than nodes. Conditions act along the averaged normals of the slave. With `points_press`
-      each has a condition of its own, for pressure laws, along the normal of the slave's segment.
+      are no more constraints than nodes. Constraints act along the averaged normals of the slave. With `points_press`
+      each has its own constraint, for pressure laws, along the normal of the slave's segment.
 
-    Search, which of several segments holds a point, vertices, quadratic edges, where the formula is asked on the
-    tangent until the foot is the point itself, corners and all derivatives are the core's. A method of
-    `ContactAlgorithm` that is written in the body of a part takes the place of the one made from the formula.
+    The core handles search, the choice of the segment, vertices, quadratic edges (the formula is evaluated on the
+    tangent until the projection is the point itself), corners and all derivatives. A method of `ContactAlgorithm` in
+    the body of a plugin component replaces the method made from the formula.
     """
 
     passes_patch_test: ClassVar[bool] = False
@@ -57,32 +57,32 @@ class PointContact(ContactAlgorithm):
     @staticmethod
     @abstractmethod
     def foot(x: SlavePoint, master: MasterSegment) -> Number:
-        """Where on a master segment a point of the slave is, 0 at its start and 1 at its end. A formula."""
+        """Return the projection of a slave point on a master segment, 0 at its start and 1 at its end. A formula."""
 
     def widths(self, slave: Surface, master: Surface) -> tuple[int, int, int]:
-        """Two nodes, as a corner presses on a segment, and one multiplier; or a slave edge and two; a master edge."""
+        """Return two nodes, as a corner presses on a segment, and one multiplier; or an edge and two; a master edge."""
         own = (slave.edges.shape[1], 1 if self.points_press else 2) if self.points else (2, 1)
         return *own, master.edges.shape[1]
 
     def capacity(self, slave: Surface, near: Candidates) -> int:
-        """Two conditions of each node, or one piece for each Gauss point."""
+        """Return two constraints per node, or one piece for each Gauss point."""
         return self.points * len(slave.segments) if self.points else 2 * len(slave.nodes)
 
     def pieces(self, view: ContactView, out: Pieces) -> int:
-        """One for each point that is held. `memory` keeps the number of its segment, plus one."""
+        """Fill one piece for each point in contact. `memory` keeps the number of its segment, plus one."""
         return int(late("contactlab.formulas.points").pieces(self, view, out))
 
     def derivatives(self, view: ContactView, pieces: Pieces, count: int, out: PieceDerivatives) -> bool:
-        """Derivatives of the formula, chained."""
+        """Return derivatives of the formula, chained."""
         return bool(late("contactlab.formulas.points").derivatives(self, view, pieces, count, out))
 
     def gradients(
         self, view: ContactView, pieces: Pieces, count: int, owner: Ints, separation: Floats, out: GapGradients
     ) -> bool:
-        """Of conditions of nodes the normals that turn: what else changes moves feet across them."""
+        """Fill only turning normals, for constraints of nodes: other changes move projections across them."""
         return bool(late("contactlab.formulas.points").gradients(self, view, pieces, count, out))
 
     def normals(self, view: ContactView, pieces: Pieces, count: int, out: Floats) -> None:
-        """Normals of the same segments and vertices, or the averaged ones of the slave."""
+        """Fill normals of the same segments and vertices, or the averaged normals of the slave."""
         if not late("contactlab.formulas.points").normals(self, view, pieces, count, out):
             super().normals(view, pieces, count, out)

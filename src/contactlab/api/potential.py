@@ -1,7 +1,7 @@
 """Contact by potentials: forces that are the gradient of an energy of node positions.
 
-A `Potential` sees the nodes and segments of both surfaces, no body and no scene. It sets no conditions and has no
-multipliers: implicit integrators add its forces and stiffness to those of the bodies, and take no correction beyond its
+A `Potential` sees the nodes and segments of both surfaces, no body and no scene. It sets no constraints and has no
+multipliers: implicit integrators add its forces and stiffness to the bodies' forces, and take no correction beyond its
 `largest_step`. Explicit integrators refuse it.
 """
 
@@ -17,9 +17,9 @@ from contactlab.api.surface import Surface
 
 
 class PotentialView(NamedTuple):
-    """All that a potential may see of a contact, for one step. Read-only.
+    """All data of a contact that a potential may see, for one step. Read-only.
 
-    Nodes are numbered through both surfaces: first those of the slave, then those of the master, n in all.
+    Nodes are numbered through both surfaces: first the slave, then the master, n in all.
 
     slave, master  the surfaces
     edges          (e, 2) int32 all segments, start and end by these numbers; the first len(slave.segments) the slave's
@@ -27,10 +27,10 @@ class PotentialView(NamedTuple):
     length         (n,) [mm] half the undeformed length of the segments at each node
     modulus        (n,) [MPa] stiffness of the material behind each node, density times squared speed of its
                    dilatational waves; inf on rigid surfaces
-    stiffness      (n,) [MPa/mm] that modulus over the depth of the cells behind the node; inf on rigid surfaces
+    stiffness      (n,) [MPa/mm] modulus over the depth of the cells behind the node; inf on rigid surfaces
     start          (n, 2) [mm] positions at the start of the step
-    lagged         (n, 2) [mm] positions that normal forces of friction belong to: those at the start of the step, then
-                   those of the last iteration that converged
+    lagged         (n, 2) [mm] positions that normal forces of friction belong to: the start of the step, then the
+                   last iteration that converged
     friction       the bound of the contact's law; None without friction
     """
 
@@ -47,7 +47,7 @@ class PotentialView(NamedTuple):
 
 
 class NodalForces(NamedTuple):
-    """Forces on the slave's nodes, (m, 2) [N] each: of the energy, and of friction. Their sums are those that act."""
+    """Forces on the slave's nodes, (m, 2) [N] each: from the energy, and from friction. Their sums act."""
 
     push: Floats
     rub: Floats
@@ -64,68 +64,68 @@ class Pressures(NamedTuple):
 
 
 class Potential(ContactMethod):
-    """Gives an energy of node positions. Subclasses are frozen dataclasses; their fields are the TOML keys.
+    """Base of contact energies of node positions. Subclasses are frozen dataclasses; their fields are the TOML keys.
 
-    Positions (n, 2) [mm] and all results follow the numbers of the `PotentialView`. Surfaces that drifted too close
-    may be answered with numbers that are not finite: the integrator then takes a shorter correction.
+    Positions (n, 2) [mm] and all results follow the numbers of the `PotentialView`. Surfaces that are too close
+    may give numbers that are not finite: the integrator then takes a shorter correction.
 
     rubs     True if it has `friction_gradient`; contacts with friction refuse it otherwise
-    adheres  True if that knows bounds beyond a coefficient; contacts with such laws (Tresca) refuse it otherwise
+    adheres  True if it takes friction bounds beyond a coefficient; contacts with such laws (Tresca) refuse it otherwise
     """
 
     rubs: ClassVar[bool] = False
     adheres: ClassVar[bool] = False
 
     def clearance(self, view: PotentialView) -> float:
-        """Distance [mm] that surfaces need before the run, 0 if they may touch.
+        """Return the distance [mm] that surfaces need before the run, 0 if they may touch.
 
-        If it is positive, surfaces must never intersect: the core opens surfaces that touch to this distance by moving
+        If it is positive, surfaces must never intersect: the core opens touching surfaces to this distance by moving
         slave nodes of the undeformed mesh, warns by how much, and refuses surfaces that intersect.
         """
         return 0.0
 
     @abstractmethod
     def energy(self, view: PotentialView, positions: Floats) -> float:
-        """Energy [mJ per mm of thickness]; inf where positions are not allowed."""
+        """Return the energy [mJ per mm of thickness]; inf at positions that are not allowed."""
 
     @abstractmethod
     def gradient(self, view: PotentialView, positions: Floats) -> Floats:
-        """Derivative (n, 2) [N] of the energy by the positions: minus the contact forces."""
+        """Return the derivative (n, 2) [N] of the energy by the positions: minus the contact forces."""
 
     def hessian(self, view: PotentialView, positions: Floats) -> Any:
-        """Second derivative, SciPy sparse (2n, 2n) [N/mm]. By default None: the core takes differences of gradients.
+        """Return the second derivative, SciPy sparse (2n, 2n) [N/mm]. By default None: differences of gradients.
 
         It need not be positive definite; the exact one converges best.
         """
         return None
 
     def largest_step(self, view: PotentialView, positions: Floats, displacement: Floats) -> float:
-        """Largest fraction, 0 to 1, of a displacement (n, 2) [mm] from the positions that the integrator may take.
+        """Return the largest fraction, 0 to 1, of a displacement (n, 2) [mm] that the integrator may take.
 
         By default 1. Nodes move along straight lines.
         """
         return 1.0
 
     def friction_gradient(self, view: PotentialView, positions: Floats) -> Floats:
-        """Minus the friction forces (n, 2) [N], from the slip since `view.start` and normal forces at `view.lagged`.
+        """Return minus the friction forces (n, 2) [N], by slip since `view.start` and normal forces at `view.lagged`.
 
-        The core repeats the iteration until the normal forces are those of the end of the step.
+        The core repeats the iteration until the normal forces belong to the end of the step.
         """
         raise NotImplementedError(f"{type(self).__name__} has no friction")
 
     def friction_hessian(self, view: PotentialView, positions: Floats) -> Any:
-        """Derivative of `friction_gradient` by the positions, as `hessian`; by default None: differences."""
+        """Return the derivative of `friction_gradient` by the positions, as `hessian`; by default None: differences."""
         return None
 
     def nodal_forces(self, view: PotentialView, positions: Floats) -> NodalForces | None:
-        """Forces that tables, curves and errors show at accepted positions, divided by tributary lengths.
+        """Return forces for tables, curves and errors at accepted positions, divided by tributary lengths.
 
-        By default None: those of `pressures`.
+        By default None: forces of `pressures`.
         """
         return None
 
     def pressures(self, view: PotentialView, positions: Floats, normal: Floats, length: Floats) -> Pressures | None:
-        """Stresses in place of `nodal_forces`, along nodal normals.
+        """Return stresses that replace `nodal_forces`, along nodal normals.
 
         By default None: the forces that act, minus the gradients, over lengths.
 

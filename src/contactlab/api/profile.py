@@ -1,4 +1,4 @@
-"""How values vary from place to place: a key that loads, supports, bodies and effects share."""
+"""Profiles: spatial variation of values, a key that loads, supports, bodies and effects share."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Vector = tuple[float, float]
 
 @dataclass(frozen=True, kw_only=True)
 class Profile:
-    """How values vary along edges or over a body: `{ by = "x", cosine = [mean, amplitude, period] }`.
+    """Variation of values along edges or over a body: `{ by = "x", cosine = [mean, amplitude, period] }`.
 
     Effects declare a field `profile: Profile | None = None` and ask their view for its `factors`.
     """

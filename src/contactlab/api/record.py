@@ -14,14 +14,14 @@ from contactlab.api.frame import ContactCurve
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """One run as a case sees it; a run that failed is a record, too.
+    """A run as a case sees it; a run that failed is a record, too.
 
     status, reason  how it ended, as in `summary.json`: "finished", "diverged", "not-converged", "timed-out" ...
     summary         the content of `summary.json`
     history         columns of `history.csv` by name, each (frames,)
     times, curves   of each contact by "contacts.0": stored frames (frames,) [s] and their curves
     watched         of each watch by its name: the arrays of its memory
-    events          the texts of warnings and other events
+    events          the strings of warnings and other events
     nodes           (N, 2) reference positions [mm], displacement (N, 2) [mm], velocity (N, 2) [mm/s] at the end
     stress          Cauchy stress of each body at the end, (n, q, 4) xx yy zz xy [MPa]
     cells           of each body in global node numbers
@@ -45,18 +45,18 @@ class Record:
 
     @property
     def finished(self) -> bool:
-        """Whether the run came to its end."""
+        """True if the run finished."""
         return self.status == "finished"
 
     def curve(self, contact: str = "contacts.0") -> ContactCurve:
-        """The contact at the last stored frame. Raises LookupError where none was stored."""
+        """Return the contact at the last stored frame. Raises LookupError if there is none."""
         return self.curves[contact][-1]
 
     def reaction(self, support: str) -> Floats:
-        """Force (2,) [N] of a support on its body at the end. Raises LookupError where there is none."""
+        """Return the force (2,) [N] of a support on its body at the end. Raises LookupError if there is none."""
         return np.asarray(self.summary["reactions"][support], float)
 
     @property
     def warnings(self) -> frozenset[str]:
-        """Codes of the warnings that the run gave."""
+        """Return codes of the warnings of the run."""
         return frozenset(str(w.get("code", w.get("name", ""))) for w in self.summary.get("warnings", ()))

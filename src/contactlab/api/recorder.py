@@ -1,4 +1,4 @@
-"""Recorders: they write what a run stores, and change nothing in it."""
+"""Recorders (output writers): they write stored results of a run, and change nothing in it."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from contactlab.api.arrays import Floats
 from contactlab.api.frame import Event, Frame, Iterate, IterationRow, Layout, StoredRun
 
 FAILURE, WARNING = "failure", "warning"
-"""Why all fields of the last steps are stored: the run failed, or a guard warned for the first time."""
+"""Reason for storing all fields of the last steps: the run failed, or a guard warned for the first time."""
 
 
 class Recording(ABC):
     """The recording of one run. Subclasses must define `frame` and `close`.
 
-    An OSError (disk full) of a recording that keeps the run's state stops the run and keeps what was written; after
+    An OSError (disk full) of a recording that keeps the run's state stops the run and keeps the written data; after
     any other exception, and an OSError of other recordings, the run continues without this recorder, with a warning.
 
-    keeps_state  `save` stores what it is given, so that the run can be resumed
+    keeps_state  True if `save` stores its arguments, so that the run can be resumed
     """
 
     keeps_state: ClassVar[bool] = False
@@ -31,7 +31,7 @@ class Recording(ABC):
     def frame(self, frame: Frame) -> None:
         """Record a frame that was just stored."""
 
-    def steps(self, block: Floats) -> None:  # noqa: B027 - nothing is a fine answer
+    def steps(self, block: Floats) -> None:  # noqa: B027 - optional
         """Take the scalars of the steps since the last call (b, len(layout.steps)); the array is reused.
 
         Called for recorders with `every_step`, before each frame and whenever the buffer is full.
@@ -40,7 +40,7 @@ class Recording(ABC):
     def contact_steps(self, block: Mapping[str, np.ndarray]) -> None:  # noqa: B027
         """Take rows of the contact record of the same steps, by the name of each contact; they may be kept.
 
-        Their fields are those of `contactlab.api.contact_steps.contact_record`. Called for recorders with
+        Their fields follow `contactlab.api.contact_steps.contact_record`. Called for recorders with
         `every_contact`, in runs that record contact.
         """
 
@@ -63,15 +63,15 @@ class Recording(ABC):
         """
 
     def news(self) -> Sequence[str]:
-        """Sentences for the log of the run since the frame before; called after each frame."""
+        """Return sentences for the log of the run since the frame before; called after each frame."""
         return ()
 
     def facts(self) -> Mapping[str, Any]:
-        """Entries for the summary of the run, such as what was left out; called before `close`."""
+        """Return entries for the summary of the run, such as what was left out; called before `close`."""
         return {}
 
     def save(self, memory: Mapping[str, Floats], summary: Mapping[str, Any]) -> None:  # noqa: B027
-        """Keep all that a restart needs. Called from time to time, at an interrupt, and at the end."""
+        """Keep all that a restart needs. Called at intervals, at an interrupt, and at the end."""
 
     @abstractmethod
     def close(self, summary: Mapping[str, Any]) -> None:
@@ -81,14 +81,14 @@ class Recording(ABC):
 class Recorder(ABC):
     """Makes recordings. Subclasses are frozen dataclasses; their fields are the TOML keys.
 
-    by_default  used where a scene names no recorders
+    by_default  used if a scene names no recorders
     every_step  its recordings take `steps`
     every_contact  its recordings take `contact_steps`
     every_iterate  its recordings take `iterates`
     every_field  its recordings take `last_steps`
     stores_results  results are read back from its recordings, and other recordings are made from them
-    shown_file  name of the file that `show` opens, which is made of the stored results when a run is over, if they are
-                stored; empty where there is nothing to show
+    shown_file  name of the file that `show` opens, made of the stored results after a run, if they are
+                stored; empty if there is nothing to show
     """
 
     by_default: ClassVar[bool] = False
@@ -101,11 +101,11 @@ class Recorder(ABC):
 
     @property
     def on_view(self) -> bool:
-        """Whether the file is made at the first view, in runs whose results another recorder stores."""
+        """True if the file is made at the first view, in runs whose results another recorder stores."""
         return False
 
-    def check(self, layout: Layout) -> None:  # noqa: B027 - nothing is a fine answer
-        """A run of this layout must have what the fields ask for. Raises ValueError where it has not.
+    def check(self, layout: Layout) -> None:  # noqa: B027 - optional
+        """Raise ValueError if a run of this layout lacks what the fields ask for.
 
         Called before the first step for recorders that work `on_view`; of all others `open` does it.
         """
@@ -115,7 +115,7 @@ class Recorder(ABC):
         """Start a recording in `folder`. Import heavy libraries here."""
 
     def disk_bytes(self, layout: Layout, steps: float, memory: float) -> float:
-        """Bytes that a run will leave on the disk, 0 if unknown. A run begins only where there is room.
+        """Return the bytes that a run will leave on the disk, 0 if unknown. A run begins only if there is room.
 
         The run has `layout.frames` frames and about `steps` steps; the state for a restart has `memory` bytes.
         """
@@ -128,18 +128,18 @@ class Recorder(ABC):
         return recording
 
     def compared(self, folder: Path, runs: Mapping[str, StoredRun]) -> None:  # noqa: B027
-        """Called once after a comparison, with its folder and its runs by the values in which they differ."""
+        """Act on a finished comparison, given its folder and its runs by the values in which they differ."""
 
     def show(self, file: Path, png: Path | None, step: int | None, iteration: int | None = None) -> None:
         """Show `file` on the screen, or write a picture of it to `png`: at `step`, at Newton's `iteration`, or its end.
 
-        Raises RuntimeError, with what to install, where this machine cannot show it, and ValueError
-        where there is no such step or iteration.
+        Raises RuntimeError, with what to install, if this machine cannot show it, and ValueError
+        if there is no such step or iteration.
         """
         raise NotImplementedError(f"{type(self).__name__} has nothing to show")
 
     def inline(self, file: Path) -> Any:
-        """Object that a notebook displays for `file`; None where it cannot."""
+        """Return an object that a notebook displays for `file`; None if it cannot."""
         return None
 
 
@@ -151,7 +151,7 @@ def replay(
     fields: bool = False,
     iterates: bool = False,
 ) -> None:
-    """Give `recording` everything that `run` has stored; steps, contact, fields and iterates where it takes those."""
+    """Give `recording` everything that `run` has stored; steps, contact, fields and iterates if it takes them."""
     if steps:
         for block in run.step_blocks():
             recording.steps(block)

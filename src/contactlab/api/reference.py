@@ -13,7 +13,7 @@ from contactlab.api.arrays import Floats
 
 @dataclass(frozen=True)
 class Scalar:
-    """A number of a reference solution, known to +-`error`; `meaning` describes it in words."""
+    """A number of a reference solution, with uncertainty `error`; `meaning` describes it in words."""
 
     value: float
     error: float = 0.0
@@ -26,12 +26,12 @@ class Solution:
 
     x            (m,) [mm] deformed positions, increasing
     pressure     (m,) [MPa] there, linear in between and zero outside
-    error        of the pressure, relative in L2; nan where it is not known
-    error_meaning  how it was estimated
+    error        of the pressure, relative in L2; NaN if unknown
+    error_meaning  method of its estimate
     spread       (m,) [MPa] of the results behind the pressure; empty for none
     window       [mm] over which pressures are compared; None for everywhere
     scalars      by name; "reaction" is the force of the driven support on its body [N/mm]
-    level        of the finest of the own runs that it is made of; no run at this level or above is measured against it
+    level        finest level of our own runs behind it; no run at this level or above is compared with it
     """
 
     x: Floats
@@ -47,13 +47,13 @@ class Solution:
 class ReferenceSolution(ABC):
     """A solution of one scene, or of a family of them. Subclasses are frozen dataclasses without required fields.
 
-    1. `mismatch` gives the reason why it does not apply to a scene: meshes, algorithms and time stepping are free,
+    1. `mismatch` gives the reason if it does not apply to a scene: meshes, algorithms and time stepping are free,
        everything that changes the exact solution is not.
     2. `solution` returns the solution of a scene to which it applies, the same in every call.
     3. The pressure carries the reaction: they differ by no more than the stated errors.
 
     title   one line
-    origin  where it comes from: paper and equation, or program and settings
+    origin  its origin: paper and equation, or program and settings
     """
 
     title: ClassVar[str]
@@ -61,15 +61,15 @@ class ReferenceSolution(ABC):
 
     @abstractmethod
     def mismatch(self, scene: Mapping[str, Any]) -> str:
-        """Why it does not apply to a scene (its TOML data, with all defaults); empty where it does.
+        """Return why it does not apply to a scene (its TOML data, with all defaults); empty if it does.
 
         Never raises, whatever the scene holds.
         """
 
     @abstractmethod
     def solution(self, scene: Mapping[str, Any]) -> Solution:
-        """The solution of a scene for which `mismatch` is empty."""
+        """Return the solution of a scene for which `mismatch` is empty."""
 
     def examples(self) -> Sequence[Mapping[str, Any]]:
-        """Scenes to which it applies, as plain tables, for checks; by default those among the bundled ones."""
+        """Return scenes to which it applies, as plain tables, for checks; by default matching bundled scenes."""
         return ()

@@ -1,4 +1,4 @@
-"""Contact between segments by two formulas: where two segments see each other, and which functions weigh the gap."""
+"""Contact between segments by two formulas: the overlap of two segments, and the functions that weight the gap."""
 
 from __future__ import annotations
 
@@ -27,20 +27,20 @@ _ARGUMENTS: Final[Mapping[str, tuple[str, ...]]] = {
 
 @dataclass(frozen=True)
 class SegmentContact(ContactAlgorithm):
-    """Contact integrated over the parts of slave segments that see a master segment, by two formulas.
+    """Contact integrated over the overlaps of slave and master segments, by two formulas.
 
-        overlap(slave, master)  which part of a slave segment sees a master segment: an `Overlap`
+        overlap(slave, master)  overlap of a slave segment with a master segment: an `Overlap`
         basis(xi)               values at xi of the two multipliers at the ends of a slave segment, xi from 0 to 1
 
-    The gap is weighed by the basis and integrated over the overlaps: D, M and T of `Pieces`. `basis` may also ask for
-    `covered`, the part of the segment that has a partner, and both for p, the numbers among the fields of the part.
-    Search, flanks, quadratic edges, normals and all derivatives are the core's, and integration, which is exact for a
+    The gap is weighted by the basis and integrated over the overlaps: D, M and T of `Pieces`. `basis` may also ask for
+    `covered`, the overlap of the segment with all masters, and both for p, the numbers among the fields.
+    The core handles search, flanks, quadratic edges, normals, all derivatives and integration, which is exact for a
     basis of polynomials that may jump and bend.
 
-    A method of `ContactAlgorithm` that is written in the body of a part takes the place of the one made from formulas.
-    Where that is `pieces`, it fills `ends` and `segment` of `Pieces`, which derivatives are made from.
+    A method of `ContactAlgorithm` in the body of a plugin component replaces the method made from formulas.
+    If this is `pieces`, it fills `ends` and `segment` of `Pieces`, from which derivatives are made.
 
-    multipliers  which nodes of quadratic slave edges carry them: "nodes" all, "vertices" those at ends of edges;
+    multipliers  which nodes of quadratic slave edges carry them: "nodes" all, "vertices" the ends of edges;
                  "auto" is all without friction and the ends with it (mortar-operators.md, quadratic edges)
     """
 
@@ -57,58 +57,58 @@ class SegmentContact(ContactAlgorithm):
     @staticmethod
     @abstractmethod
     def overlap(slave: SlaveSegment, master: MasterSegment) -> Overlap:
-        """The part of a slave segment that sees a master segment. A formula."""
+        """Return the part of a slave segment that overlaps a master segment. A formula."""
 
     @staticmethod
     @abstractmethod
     def basis(xi: Number, covered: Covered) -> tuple[Number, Number]:
-        """Values at xi of the multipliers at both ends of a slave segment. A formula."""
+        """Return values at xi of the multipliers at both ends of a slave segment. A formula."""
 
     @cached_property
     def basis_shape(self) -> Any:
-        """Where the basis jumps or bends, and its degree between: `Shape` of `contactlab.formulas.basis`."""
+        """Break points of the basis, and its degree between them: `Shape` of `contactlab.formulas.basis`."""
         return late("contactlab.formulas.basis").shape_of(self)
 
     def with_friction(self) -> ContactAlgorithm:
-        """Multipliers at the ends of quadratic edges, unless told otherwise."""
+        """Put multipliers at the ends of quadratic edges, unless specified otherwise."""
         return replace(self, multipliers="vertices") if self.multipliers == "auto" else self
 
     def carriers(self, slave: Surface) -> Flags:
-        """All nodes, or those at the ends of edges."""
+        """Return all nodes, or the nodes at the ends of edges."""
         carries = np.ones(len(slave.nodes), np.bool_)
         if self.multipliers == "vertices":
             carries[slave.edges[:, 2:].ravel()] = False
         return carries
 
     def widths(self, slave: Surface, master: Surface) -> tuple[int, int, int]:
-        """One slave edge, two multipliers, one master edge."""
+        """Return one slave edge, two multipliers, one master edge."""
         return slave.edges.shape[1], 2, master.edges.shape[1]
 
     def capacity(self, slave: Surface, near: Candidates) -> int:
-        """One piece for each pair of near segments."""
+        """Return one piece for each pair of near segments."""
         return len(near.master)
 
     def pieces(self, view: ContactView, out: Pieces) -> int:
-        """Integrals of the basis over all overlaps; normals point from master to slave."""
+        """Fill integrals of the basis over all overlaps; normals point from master to slave."""
         return int(late("contactlab.formulas.segments").pieces(self, view, out))
 
     def derivatives(self, view: ContactView, pieces: Pieces, count: int, out: PieceDerivatives) -> bool:
-        """Derivatives of the formulas, chained."""
+        """Fill derivatives of the formulas, chained."""
         return bool(late("contactlab.formulas.segments").derivatives(self, view, pieces, count, out))
 
     def gradients(
         self, view: ContactView, pieces: Pieces, count: int, owner: Ints, separation: Floats, out: GapGradients
     ) -> bool:
-        """The same, of separations."""
+        """Fill derivatives of separations."""
         module = late("contactlab.formulas.segments")
         return bool(module.gradients(self, view, pieces, count, owner, separation, out))
 
     def feet(self, view: ContactView, pieces: Pieces, count: int, out: Floats) -> bool:
-        """Ends of the overlaps."""
+        """Fill the overlap ends."""
         out[:count] = pieces.ends[:count]
         return pieces.averaged
 
     def normals(self, view: ContactView, pieces: Pieces, count: int, out: Floats) -> None:
-        """Averaged normals of the slave; where they turn at ends and vertices all pieces are integrated again."""
+        """Fill averaged normals of the slave; integrate all pieces again if normals turn at ends and vertices."""
         if not late("contactlab.formulas.segments").averaged_normals(view, pieces, count, out):
             super().normals(view, pieces, count, out)

@@ -1,4 +1,4 @@
-"""What formulas of contact see: points and segments of the slave, segments of the master, and what they share."""
+"""Arguments of contact formulas: points and segments of the slave, segments of the master, and overlaps."""
 
 from __future__ import annotations
 
@@ -11,29 +11,29 @@ from contactlab.api.tensors import Number, Vector
 class MasterSegment(NamedTuple):
     """A master segment; the body lies on its left.
 
-    start, end  [mm] its nodes; a point is at(eta), eta from 0 to 1
+    start, end  [mm] positions of its nodes; a point is at(eta), eta from 0 to 1
     """
 
     start: Vector
     end: Vector
 
     def edge(self) -> Vector:
-        """From its start to its end [mm]."""
+        """Vector from its start to its end [mm]."""
         return self.end - self.start
 
     def at(self, eta: Number) -> Vector:
-        """The point at eta [mm]."""
+        """Return the point at eta [mm]."""
         return self.start + eta * self.edge()  # type: ignore[no-any-return]
 
     def normal(self) -> Vector:
-        """Outward unit normal."""
+        """Return the outward unit normal."""
         return self.edge().turned().unit()
 
 
 class SlavePoint(NamedTuple):
     """A point of the slave: a node, or a Gauss point of a segment.
 
-    at      [mm] where it is
+    at      [mm] its position
     normal  outward normal of the slave there, the average of the segments that meet at a node, linear between nodes
     """
 
@@ -47,7 +47,7 @@ class SlaveSegment(NamedTuple):
     start   [mm] its first node; a point is at(xi), xi from 0 to 1
     edge    [mm] from its first to its second node
     normal  outward unit normal of its first node
-    turn    from that to the one of its second node
+    turn    change of the normal from the first to the second node
     """
 
     start: Vector
@@ -56,15 +56,15 @@ class SlaveSegment(NamedTuple):
     turn: Vector
 
     def at(self, xi: Number) -> Vector:
-        """The point at xi [mm]."""
+        """Return the point at xi [mm]."""
         return self.start + xi * self.edge  # type: ignore[no-any-return]
 
     def normal_at(self, xi: Number) -> Vector:
-        """The normal at xi, linear between its nodes and a little shorter than 1 there."""
+        """Return the normal at xi, linear between its nodes and a little shorter than 1 there."""
         return self.normal + xi * self.turn  # type: ignore[no-any-return]
 
     def sees(self, point: Vector) -> Number:
-        """The xi whose normal meets a point, the root that continues the flat case; beyond 0 to 1 too, nan if none."""
+        """Return xi whose normal meets a point, the root that continues the flat case, also beyond 0 to 1; or NaN."""
         x, y = self.start.x - point.x, self.start.y - point.y
         constant = x * self.normal.y - y * self.normal.x
         linear = (self.edge.x * self.normal.y - self.edge.y * self.normal.x) + (x * self.turn.y - y * self.turn.x)
@@ -75,7 +75,7 @@ class SlaveSegment(NamedTuple):
         return -2.0 * constant / (linear + copysign(sqrt(root), linear))
 
     def between(self, first: Number, second: Number) -> tuple[Number, Number]:
-        """The part of the segment between two xi in any order: low and high; low is above high where there is none."""
+        """Return the part of the segment between two xi in any order: low and high; low > high if there is none."""
         low: Number = 1.0
         high: Number = 0.0
         if first == first and second == second:
@@ -83,17 +83,17 @@ class SlaveSegment(NamedTuple):
         return low, high
 
     def meets(self, master: MasterSegment, xi: Number) -> Number:
-        """The eta at which the normal at xi meets the line of a master segment, 0 at its start and 1 at its end."""
+        """Return eta at which the normal at xi meets the line of a master segment, 0 at its start and 1 at its end."""
         normal, edge, point = self.normal_at(xi), master.edge(), self.at(xi)
         x, y = point.x - master.start.x, point.y - master.start.y
         return (x * normal.y - y * normal.x) / (edge.x * normal.y - edge.y * normal.x)
 
 
 class Overlap(NamedTuple):
-    """The part of a slave segment that sees a master segment.
+    """The part of a slave segment that overlaps a master segment.
 
-    low, high          xi where it begins and ends: nothing is shared where low is not below high
-    eta_low, eta_high  where these meet the master segment; between them eta is linear in xi
+    low, high          xi of its start and end: no overlap if low is not below high
+    eta_low, eta_high  eta on the master segment at these; between them eta is linear in xi
     """
 
     low: Number
@@ -103,7 +103,7 @@ class Overlap(NamedTuple):
 
 
 class Covered(NamedTuple):
-    """The part of a slave segment that has a partner, of all masters together: xi from `low` to `high`."""
+    """The overlap of a slave segment with all masters together: xi from `low` to `high`."""
 
     low: Number
     high: Number

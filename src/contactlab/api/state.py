@@ -10,7 +10,7 @@ from contactlab.api.arrays import Floats
 
 
 class State:
-    """Named views of one flat float64 buffer: what is saved for a restart is exactly this buffer.
+    """Named views of one flat float64 buffer: a restart file contains exactly this buffer.
 
     The core gives every run these fields (N nodes, k multiplier slots of all contacts):
 
@@ -21,7 +21,7 @@ class State:
                             `Equations.damping`
     internal_force  (N, 2)  of the stresses at `time` [N]
     reaction        (N, 2)  forces of supports on prescribed degrees of freedom in the last step [N]
-    work            (7,)    energy ledger, see `WORK` [mJ]
+    work            (7,)    energy balance, see `WORK` [mJ]
     multipliers     (1 or 2, k)  nodal contact forces y, normal and (with friction) tangential [N]
     multipliers_before (k,)  normal multipliers one step earlier [N]
     contact_force   (N, 2)  contact forces on the nodes over the last step [N]
@@ -69,7 +69,7 @@ class State:
         return float(self.fields["clock"][2])
 
     def snapshot(self) -> Floats:
-        """A copy of the whole state."""
+        """Return a copy of the whole state."""
         return self.buffer.copy()
 
     def restore(self, snapshot: Floats) -> None:
@@ -80,11 +80,11 @@ class State:
 WORK = ("internal", "external", "damping", "contact", "friction", "numerical", "slip")
 """Entries of the field `work`: work done so far [mJ] by stresses (stored or dissipated in the bodies),
 by loads and supports, by damping (dissipated), by normal contact forces on the nodes, by friction
-forces (negative when they dissipate), by forces that only stabilise the discretisation. The last is
+forces (negative when they dissipate), by forces that only stabilise the discretisation. The last entry is
 the sum of -y_t d with the slip d of each step, which never falls: `friction` differs from its negative
 by the work on the slip before a reversal (docs/theory/forward-increment.md)."""
 
 CONTACT_WORK = ("closing", "step", "normals", "weights")
-"""What the entry `contact` of the ledger consists of: work of normal forces [mJ] on surfaces that come closer or
-separate, by the step itself, whose rows belong to other positions than those it joins, by normals that turn, and by
+"""Parts of the entry `contact` of the energy balance: work of normal forces [mJ] on surfaces that approach or
+separate, by the step itself, whose rows belong to other positions than it connects, by normals that turn, and by
 weights that change as surfaces slide along each other (docs/theory/contact-energy.md)."""

@@ -1,4 +1,4 @@
-"""A step: how it ended, and how the length of the next one follows from its error."""
+"""A step: its final status, and the length of the next step from its error."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from contactlab.api.arrays import Floats
 
 
 class StepStatus(Enum):
-    """How a step ended; the text advises what to try."""
+    """Final status of a step; the string advises what to try."""
 
     accepted = ""
     not_converged = "the iteration did not converge; a shorter step is tried next"
@@ -18,15 +18,15 @@ class StepStatus(Enum):
 
 
 class Iteration(NamedTuple):
-    """One iteration of an implicit step, as it is recorded.
+    """A recorded iteration of an implicit step.
 
     force     largest unbalanced nodal force over the largest force of the model
-    contact   largest violation of a contact condition, as the integrator measures it: in segment lengths, or over the
+    contact   largest residual of the contact conditions, as the integrator measures it: in segment lengths, or over the
               largest force
-    active    closed conditions; sticking: those that stick; changed: conditions whose status changed
+    active    closed constraints; sticking: constraints in stick; changed: constraints whose contact state changed
     length    fraction of the computed correction that was taken
-    note      any departure from a plain iteration, and why
-    statuses  a digit per contact condition: 0 open, 1 stick, 2 slip; empty if unknown
+    note      any departure from a plain iteration, with its reason
+    statuses  a digit per contact constraint: 0 open, 1 stick, 2 slip; empty if unknown
     """
 
     force: float
@@ -42,14 +42,14 @@ class Iteration(NamedTuple):
 class Step(NamedTuple):
     """Result of an attempted step: its status, work and reactions, and its iterations.
 
-    work        (7,) energy ledger at its end, see `contactlab.api.WORK` [mJ]
+    work        (7,) energy balance at its end, see `contactlab.api.WORK` [mJ]
     reaction    (N, 2) [N] forces of the supports on prescribed degrees of freedom, 0 elsewhere
-    status      whether it is accepted; otherwise `reason` gives the cause and no other field is needed
+    status      its acceptance; if it is not accepted, `reason` gives the cause and no other field is needed
     iterations  number of Newton iterations; `trace` has each of them
-    sweeps      of the contact solve; `residual` is that at its end
+    sweeps      Gauss-Seidel iterations of the contact solve; `residual` is the residual at its end
     error       estimate of the error made in this step over its tolerance: 1 is just allowed; None without an estimate
-    longest     most length [s] of the next step, or of this one where it is to be repeated; None: the schedule's own.
-                Of implicit steps only; one that is repeated with it has not failed
+    longest     longest length [s] of the next step, or of this step if it is to be repeated; None: the schedule's own.
+                Only for implicit steps; a step repeated with it has not failed
 
     `work` and `reaction` are new arrays, or the state's own fields of these names brought up to date in place.
     """
@@ -74,10 +74,10 @@ class StepControl:
 
     order         power of the step length that the estimated error falls with; 3 for the error in one step of a
                   second-order scheme
-    safety        fraction of the length that would just meet the tolerance
-    integral      weight of the error of this step; `proportional` that of the change of errors: 0.7 and 0.4 keep
+    safety        fraction of the length that would just pass the tolerance
+    integral      weight of the error of this step; `proportional` weight of the change of errors: 0.7 and 0.4 keep
                   steps smooth (Hairer & Wanner, Solving Ordinary Differential Equations II, IV.2)
-    shrink, grow  limits of the ratio of a step to the one before
+    shrink, grow  limits of the ratio of a step to the previous step
     """
 
     order: int
@@ -88,9 +88,9 @@ class StepControl:
     grow: float = 2.0
 
     def ratio(self, error: float, before: float) -> float:
-        """Length of the next step over the length of this step; errors over their tolerances, `before` the last one.
+        """Return the next step length over the present one; errors over their tolerances, `before` of the last step.
 
-        The last one is 1 in the first step. A step whose error exceeds 1 was rejected, and the ratio is below 1.
+        `before` is 1 in the first step. A step whose error exceeds 1 was rejected, and the ratio is below 1.
         """
         error = max(error, 1e-10)
         if error > 1.0:

@@ -18,7 +18,7 @@ class Surface(KernelArgument):
     Quadratic edges count as two segments, so that geometry is always piecewise straight; their
     trace functions belong to the `edges`.
 
-    nodes         (m,) int32, global node numbers; chain order within each connected piece
+    nodes         (m,) int32, global node numbers; chain order within each connected part
     segments      (s, 2) int32, start and end of each segment as positions in `nodes`
     node_segments (m, 2) int32, segment that ends and segment that starts at each node, -1 for none
     edges         (e, b) int32, element edges as positions in `nodes`: start, end, then inner
@@ -32,13 +32,13 @@ class Surface(KernelArgument):
     segment_edge: Ints2
 
     def lengths(self, at: Floats) -> Floats:
-        """Lengths (s,) [mm] of the segments with the nodes at positions `at` (m, 2) [mm]."""
+        """Return lengths (s,) [mm] of the segments with the nodes at positions `at` (m, 2) [mm]."""
         edge = at[self.segments[:, 1]] - at[self.segments[:, 0]]
         return np.asarray(np.hypot(edge[:, 0], edge[:, 1]))
 
 
 class Candidates(NamedTuple):
-    """For every slave segment the master segments whose enlarged boxes overlap its own.
+    """For every slave segment the master segments whose enlarged boxes overlap its own box.
 
     start  (s + 1,) int32 row pointers
     master (z,) int32 master segments, ascending within a row

@@ -1,6 +1,6 @@
 """Vectors and tensors of the plane for formulas: a handful of numbers with the usual arithmetic.
 
-Their components are numbers, or dual numbers where a formula is differentiated.
+Their components are numbers, or dual numbers when a formula is differentiated.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from typing import Any, Final, NamedTuple
 from contactlab.api.mathematics import sqrt
 
 Number = Any
-"""A float, or a dual number where a formula is differentiated."""
+"""A float, or a dual number when a formula is differentiated."""
 
 
 class Vector(NamedTuple):
@@ -41,19 +41,19 @@ class Vector(NamedTuple):
         return self.x * other.x + self.y * other.y
 
     def cross(self, other: Vector) -> Number:
-        """Third component of the cross product."""
+        """Return the third component of the cross product."""
         return self.x * other.y - self.y * other.x
 
     def turned(self) -> Vector:
-        """The vector turned by -90 degrees: the outward normal of a side that has the body on its left."""
+        """Return the vector turned by -90 degrees: the outward normal of a side that has the body on its left."""
         return Vector(self.y, -self.x)
 
     def length(self) -> Number:
-        """Its length."""
+        """Return its length."""
         return sqrt(self.x * self.x + self.y * self.y)
 
     def unit(self) -> Vector:
-        """The vector of length one along it."""
+        """Return the unit vector along it."""
         scale = 1.0 / sqrt(self.x * self.x + self.y * self.y)
         return Vector(self.x * scale, self.y * scale)
 
@@ -98,34 +98,34 @@ class Tensor(NamedTuple):
         )  # fmt: skip
 
     def T(self) -> Tensor:
-        """Its transpose."""
+        """Return its transpose."""
         return Tensor(self.xx, self.yx, self.xy, self.yy, self.zz)
 
     def trace(self) -> Number:
-        """Sum of the diagonal."""
+        """Return the sum of the diagonal."""
         return self.xx + self.yy + self.zz
 
     def det(self) -> Number:
-        """Its determinant."""
+        """Return its determinant."""
         return (self.xx * self.yy - self.xy * self.yx) * self.zz
 
     def inverse(self) -> Tensor:
-        """Its inverse."""
+        """Return its inverse."""
         scale = 1.0 / (self.xx * self.yy - self.xy * self.yx)
         return Tensor(self.yy * scale, -self.xy * scale, -self.yx * scale, self.xx * scale, 1.0 / self.zz)
 
     def symmetric(self) -> Tensor:
-        """Its symmetric part."""
+        """Return its symmetric part."""
         shear = 0.5 * (self.xy + self.yx)
         return Tensor(self.xx, shear, shear, self.yy, self.zz)
 
     def deviator(self) -> Tensor:
-        """The tensor less a third of its trace on the diagonal."""
+        """Return the tensor less a third of its trace on the diagonal."""
         mean = (self.xx + self.yy + self.zz) / 3.0
         return Tensor(self.xx - mean, self.xy, self.yx, self.yy - mean, self.zz - mean)
 
     def dot(self, other: Tensor) -> Number:
-        """Sum of the products of all components."""
+        """Return the sum of the products of all components."""
         return (
             self.xx * other.xx + self.xy * other.xy + self.yx * other.yx + self.yy * other.yy + self.zz * other.zz
         )  # fmt: skip

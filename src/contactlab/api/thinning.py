@@ -1,4 +1,4 @@
-"""Which steps of a run stay in a record of bounded size; used by everything that keeps rows of steps."""
+"""Choice of the steps that stay in a record of bounded size; used by everything that keeps rows of steps."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from typing import NamedTuple
 import numpy as np
 
 RECENT = 10_000  # steps before the last one that are never thinned, or half a record that has room for fewer than twice
-LEFT = 0.75  # share of a record that may be left when it was thinned
+LEFT = 0.75  # largest share of a record that thinning leaves
 
 
 class Thinning(NamedTuple):
-    """The steps up to `until` that are kept: each `stride`th, and of those in which a contact state changed, each
+    """The steps up to `until` that are kept: each `stride`th, and of the steps with a changed contact state, each
     `changes`th."""
 
     until: int = 0
@@ -20,11 +20,11 @@ class Thinning(NamedTuple):
     changes: int = 1
 
     def keeps(self, steps: np.ndarray, changed: np.ndarray) -> np.ndarray:
-        """Which steps (n,) stay, `changed` (n,) in which of them a state changed."""
+        """Return which steps (n,) stay; `changed` (n,) is True if a contact state changed in the step."""
         return np.asarray((steps > self.until) | (steps % self.stride == 0) | (changed & (steps % self.changes == 0)))
 
     def as_data(self) -> dict[str, int]:
-        """For the summary of a run."""
+        """Return the data for the summary of a run."""
         return dict(self._asdict())
 
     def __str__(self) -> str:
@@ -33,19 +33,19 @@ class Thinning(NamedTuple):
 
 
 def recent_steps(most: int) -> int:
-    """Number of the last steps that are never thinned in a record of `most` rows."""
+    """Return the number of the last steps that are never thinned in a record of `most` rows."""
     return min(RECENT, most // 2)
 
 
 def thinned(rows: Iterable[tuple[np.ndarray, np.ndarray]], last: int, most: int, before: Thinning) -> Thinning:
-    """The next thinning of a record that is full: it has `most` rows, up to step `last`.
+    """Return the next thinning of a record that is full: it has `most` rows, up to step `last`.
 
-    The stride doubles until a quarter of the room is free. State changes are thinned, too, where they take the room.
+    The stride doubles until a quarter of the room is free. Steps with changes are thinned, too, if they fill the room.
 
-    rows  blocks of steps (n,) and of whether a contact state changed in each (n,), in any number
+    rows  blocks of steps (n,) and booleans (n,) for a changed contact state, in any number
     """
     until, stride, changes = last - recent_steps(most), before.stride, before.changes
-    recent, tally = 0, np.zeros((2, 64), np.int64)  # older steps by their largest divisor 2^k, and those with changes
+    recent, tally = 0, np.zeros((2, 64), np.int64)  # older steps by their largest divisor 2^k, and steps with changes
     for steps, changed in rows:
         older = steps <= until
         # the largest k for which 2^k divides each step; 63 of step 0

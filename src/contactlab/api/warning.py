@@ -15,10 +15,10 @@ class RunWarning:
     """A sign that a result may be wrong: a number, its limit, its key, and what to change.
 
     code   kebab-case, one per kind; `docs/warnings.md` lists all
-    value  the number that was measured
+    value  the measured number
     limit  the largest or smallest allowed, in the same unit
     key    of the scene, where the cause can be changed
-    text   one sentence: where, the number in its unit, and after a semicolon what to try
+    text   one sentence: position, the number in its unit, and after a semicolon what to try
     """
 
     code: str
@@ -31,18 +31,18 @@ class RunWarning:
         return self.text
 
     def as_data(self) -> dict[str, Any]:
-        """The warning as plain data, as it is written to `summary.json`."""
+        """Return the warning as plain data, as it is written to `summary.json`."""
         return asdict(self)
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> RunWarning:
-        """A warning read from `summary.json`, which writes null for nan."""
+        """Return a warning read from `summary.json`, which writes null for NaN."""
         numbers = {name: math.nan if data[name] is None else float(data[name]) for name in ("value", "limit")}
         return cls(str(data["code"]), key=str(data["key"]), text=str(data["text"]), **numbers)
 
     @property
     def excess(self) -> float:
-        """How far the value lies beyond the limit; infinite where it is no number."""
+        """Distance of the value beyond the limit; infinite if it is not finite."""
         return abs(self.value - self.limit) if math.isfinite(self.value) else math.inf
 
 
@@ -63,7 +63,7 @@ class Warnings:
         return len(self._found)
 
     def add(self, *warnings: RunWarning) -> None:
-        """Keep warnings; each replaces one of the same code and key unless that was worse."""
+        """Keep warnings; each replaces a warning of the same code and key unless the older is worse."""
         for warning in warnings:
             name = warning.code, warning.key
             before = self._found.get(name)
@@ -73,15 +73,15 @@ class Warnings:
                 self._found[name] = warning
 
     def untold(self) -> list[RunWarning]:
-        """Those added since the last call, with their present values."""
+        """Return the warnings added since the last call, with their present values."""
         names, self._untold = self._untold, []
         return [self._found[name] for name in names]
 
     def keep(self, warnings: Iterable[RunWarning]) -> None:
-        """Put these back in place of those of the same code and key."""
+        """Replace warnings of the same code and key by these."""
         self._found |= {(warning.code, warning.key): warning for warning in warnings}
 
     def restore(self, warnings: Iterable[RunWarning]) -> None:
-        """Take over the warnings of a resumed run, as already reported."""
+        """Restore the warnings of a resumed run, as already reported."""
         self._found = {(warning.code, warning.key): warning for warning in warnings}
         self._untold = []

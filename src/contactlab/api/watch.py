@@ -1,4 +1,4 @@
-"""Watches: they observe every step of a run and keep numbers of it in arrays that a restart restores."""
+"""Watches (callbacks): they observe every step of a run and keep numbers of it in arrays that a restart restores."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Memory = dict[str, Floats]
 
 
 class StepView(Protocol):
-    """The state after an accepted step; arrays cannot be written to.
+    """The state after an accepted step; arrays are read-only.
 
     time, dt        [s] reached, and the length of the step
     step            accepted steps so far
@@ -36,31 +36,31 @@ class StepView(Protocol):
     contacts: int
 
     def field(self, name: str) -> Floats:
-        """A field of the state: "displacement", "velocity", "internal_force", "contact_force", "work" ..."""
+        """Return a field of the state: "displacement", "velocity", "internal_force", "contact_force", "work" ..."""
         ...
 
     def nodes(self, body: str) -> slice:
-        """The nodes of a body. Raises KeyError where there is no such body."""
+        """Return the nodes of a body. Raises KeyError if there is no such body."""
         ...
 
     def slave(self, contact: int = 0) -> Ints:
-        """Global numbers of the slave nodes, in chain order."""
+        """Return global numbers of the slave nodes, in chain order."""
         ...
 
     def master(self, contact: int = 0) -> Ints:
-        """Global numbers of the master nodes, in chain order."""
+        """Return global numbers of the master nodes, in chain order."""
         ...
 
     def segment(self, contact: int = 0) -> float:
-        """Length of the slave's segments [mm]: the median."""
+        """Return the length of the slave's segments [mm]: the median."""
         ...
 
     def normal_forces(self, contact: int = 0) -> Floats:
-        """Nodal contact forces y_n [N], one per multiplier."""
+        """Return nodal contact forces y_n [N], one per multiplier."""
         ...
 
     def slips(self, contact: int = 0) -> Floats:
-        """Tangential motion [mm] in this step, one per multiplier; zero where no master is in reach.
+        """Return tangential motion [mm] in this step per multiplier; zero if no master is within the search distance.
 
         Only in explicit runs with friction. Raises LookupError in others.
         """
@@ -75,7 +75,7 @@ class StepView(Protocol):
         ...
 
     def stored_energy(self) -> float:
-        """Energy [mJ] that bodies store, nan if any law has none, and surfaces under pressure laws and potentials."""
+        """Energy [mJ] stored in bodies, NaN if a law has none, and in surfaces under pressure laws and potentials."""
         ...
 
 
@@ -83,7 +83,7 @@ class Watch(ABC):
     """Observes every accepted step. Subclasses are frozen dataclasses; their fields are their keys.
 
     1. `begin` gives the memory before the first step: arrays whose shapes never change.
-    2. `step` is called after each accepted step and writes to that memory in place, and to nothing else.
+    2. `step` is called after each accepted step and writes to this memory in place, and to nothing else.
     3. The memory at the end of the run is found in `Record.watched`.
 
     Costs are never measured on a watched run.
@@ -91,12 +91,12 @@ class Watch(ABC):
 
     @abstractmethod
     def begin(self, view: StepView) -> Memory:
-        """The memory before the first step; `view` is that of the initial state."""
+        """Return the memory before the first step; `view` shows the initial state."""
 
     @abstractmethod
     def step(self, view: StepView, memory: Memory) -> None:
         """Observe the model after one accepted step, and keep numbers of it."""
 
     def end(self, memory: Mapping[str, Floats]) -> Mapping[str, Floats]:
-        """The part of the memory that goes into the record: all of it by default."""
+        """Return the part of the memory that goes into the record: all of it by default."""
         return memory

@@ -1,4 +1,4 @@
-"""Closest points of two surfaces in plain NumPy, and where their segments intersect."""
+"""Closest points of two surfaces in plain NumPy, and intersections of their segments."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ STRAIGHT = 0.999  # cosine to the normal of a chain's last segment: nodes beyond
 
 
 class Feet(NamedTuple):
-    """Points of one surface held against segments of another, one row for each of p pairs.
+    """Points of one surface projected onto segments of another, one row for each of p pairs.
 
-    node, segment  (p,) positions in the one surface, and in the segments of the other
-    share          (p,) of the segment, 0 to 1, where the closest point lies
-    apart          (p, 2) [mm] from there to the node
+    node, segment  (p,) positions in the first surface, and in the segments of the second
+    share          (p,) of the segment, 0 to 1, at the closest point
+    apart          (p, 2) [mm] from the closest point to the node
     distance       (p,) [mm] negative for a node behind the inside of the segment
     direction      (p, 2) unit vectors from the segment to the node
     """
@@ -32,7 +32,7 @@ class Feet(NamedTuple):
 
 
 def closest_points(x: Floats, own: Surface, y: Floats, other: Surface, near: Candidates) -> Feet:
-    """Every node (positions x) of the segments in `near` against their candidates (positions y)."""
+    """Return the projection of every node (positions x) of the segments in `near` on its candidates (positions y)."""
     count = np.diff(near.start)
     node = np.repeat(own.segments, count, axis=0).T.ravel()
     segment = np.tile(near.master, 2)
@@ -44,7 +44,7 @@ def closest_points(x: Floats, own: Surface, y: Floats, other: Surface, near: Can
     height, distance = (apart * normal).sum(axis=1), np.hypot(*apart.T)
     vertex = other.segments[segment, (share == 1.0).astype(int)]
     at_end = (share <= 0.0) | (share >= 1.0)
-    # which side of a vertex: by the normals of both its segments; of the last of a chain, straight behind it alone
+    # side of a vertex: by the normals of both its segments; at the end of a chain by the last one, if straight behind
     both = (other.node_segments[vertex] >= 0).all(axis=1)
     behind = np.where(
         both, (apart * _vertex_normals(y, other)[vertex]).sum(axis=1) < 0.0, height < -STRAIGHT * distance
@@ -56,7 +56,7 @@ def closest_points(x: Floats, own: Surface, y: Floats, other: Surface, near: Can
 
 
 def _vertex_normals(y: Floats, surface: Surface) -> Floats:
-    """Sums (m, 2) of the outward unit normals of the segments at each node."""
+    """Return sums (m, 2) of the outward unit normals of the segments at each node."""
     along = y[surface.segments[:, 1]] - y[surface.segments[:, 0]]
     normal = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.hypot(*along.T)[:, None]
     out = np.zeros_like(y)
@@ -66,15 +66,15 @@ def _vertex_normals(y: Floats, surface: Surface) -> Floats:
 
 
 def first_crossing(at: Floats, one: Surface, other: Surface) -> Floats | None:
-    """The place (2,) of an intersection of two surfaces at positions (N, 2) of all nodes; None without one.
+    """Return an intersection point (2,) of two surfaces at positions (N, 2) of all nodes; None without one.
 
-    Segments are compared, so that a corner between two nodes of the other side counts.
+    Segments are compared, so corners between two nodes of the other side count.
     """
     return crossing(at, one.nodes[one.segments], other.nodes[other.segments])
 
 
 def crossing(at: Floats, segments: Ints, others: Ints) -> Floats | None:
-    """The place (2,) where one of the segments (s, 2) and one of the others go through each other; None without one."""
+    """Return a point (2,) at which one of the segments (s, 2) and one of the others cross; None without one."""
     (a, b), (c, d) = (at[ends].swapaxes(0, 1) for ends in close_pairs(at, segments, others))
     sides = [cross(b - a, c - a), cross(b - a, d - a), cross(d - c, a - c), cross(d - c, b - c)]
     crossed = np.flatnonzero((sides[0] * sides[1] < 0.0) & (sides[2] * sides[3] < 0.0))
@@ -86,24 +86,24 @@ def crossing(at: Floats, segments: Ints, others: Ints) -> Floats | None:
 
 
 def close_pairs(at: Floats, segments: Ints, others: Ints) -> tuple[Ints, Ints]:
-    """Segments and others (k, 2), one of each in a row, whose boxes meet at positions (N, 2)."""
+    """Return segments and others (k, 2), one of each in a row, with intersecting boxes at positions (N, 2)."""
     near = near_segments(at, segments, at, others, 0.0)
     return np.repeat(segments, np.diff(near.start), axis=0), others[near.master]
 
 
 def cross(u: Floats, v: Floats) -> Floats:
-    """Component (k,) out of the plane of the cross products of vectors (k, 2)."""
+    """Return the out-of-plane component (k,) of the cross products of vectors (k, 2)."""
     return np.asarray(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
 
 
 @dataclass(frozen=True)
 class ClosestPoints(GapAlgorithm):
-    """Distances of slave nodes from the closest points of the master: how a contact without conditions is measured."""
+    """Distances of slave nodes from the closest points of the master: a measure of contact without constraints."""
 
     passes_patch_test: ClassVar[bool] = False
 
     def conditions(self, view: ContactView, *, tangent: bool) -> GapConditions:
-        """One for each node within reach of a segment that it is not far behind."""
+        """Return a constraint for each node within the search distance of a segment, unless far behind it."""
         found = closest_points(view.at.slave, view.slave, view.at.master, view.master, view.near)
         order = np.lexsort((found.segment, np.abs(found.distance), found.node))
         order = order[np.abs(found.distance[order]) <= view.reach]

@@ -1,7 +1,7 @@
-"""Derivatives of finished gap conditions by central differences, for algorithms that give none.
+"""Derivatives of finished gap constraints by central differences, for algorithms that give none.
 
-Nodes that share no condition are moved together (Curtis, Powell & Reid 1974). What conditions follow from is not told
-by the nodes that they name alone: it is guessed, tried by moving all nodes at once, and widened where that shows more.
+Nodes that share no constraint are moved together (Curtis, Powell & Reid 1974). Constraints depend on more nodes than
+they name: the pattern is guessed, tested by moving all nodes together, and widened if the test shows more.
 """
 
 from __future__ import annotations
@@ -17,31 +17,31 @@ from contactlab.api.surface import SurfacePositions
 from contactlab.contact.gap_pair import GapPair
 
 STEP = 1e-5  # of the shortest segment at a node; central differences of smooth weights then err by about 1e-10
-ROUND_OFF = 1e-10  # of a weight over a segment length: what differences make of a derivative of zero
-RING = 2  # further nodes on either side that averaged normals may bring into a condition
-KINK = 1e-3  # difference of the slopes to either side: smooth weights bend by a few steps
+ROUND_OFF = 1e-10  # of a weight over a segment length: result of differences for a zero derivative
+RING = 2  # further nodes on both sides that a constraint may depend on by averaged normals
+KINK = 1e-3  # difference of the slopes on both sides: smooth weights bend by a few steps
 MISSED = 1e-6  # of a weight over a segment length, along one move of all nodes: far above the error of differences
 
 
 class ConditionDifferences:
-    """What follows from moving the nodes of one colour at a time."""
+    """Central differences that move the nodes of one colour at a time."""
 
     def __init__(self, pair: GapPair) -> None:
         self.pair = pair
         self.reach = _reach(pair)
         self.size = _sizes(pair)
-        self.colours: dict[int, _Colours] = {}  # by how often the pattern was widened
+        self.colours: dict[int, _Colours] = {}  # by the number of widenings of the pattern
         self.at_once = np.random.default_rng(0).uniform(-1.0, 1.0, (len(pair.of_slave), 2))
 
     def of(self, memory: Floats) -> ConditionDerivatives:
-        """Derivatives of the weights of the pair's present conditions."""
+        """Return derivatives of the weights of the pair's present constraints."""
         found = self.pair.found
         assert found is not None
         if not len(found.owner):
             return ConditionDerivatives(np.zeros(0, np.int32), np.zeros(0, np.int32), np.zeros((0, 2)))
         order, row = _order(found), np.repeat(np.arange(len(found.owner)), np.diff(found.start))
         named = coo_array((np.ones(len(row)), (row, found.node)), shape=(len(found.owner), self.reach.shape[0]))
-        depends = _pattern(named.tocsr() @ self.reach)  # nodes (k, N) that conditions name, and those beside them
+        depends = _pattern(named.tocsr() @ self.reach)  # nodes (k, N) of constraints, and their neighbours
         sides = [self._weights(found, order, sign * self.at_once, memory) for sign in (1.0, -1.0)]
         for width in count():
             known, pattern = self.colours.get(width), (depends.indptr, depends.indices)
@@ -55,7 +55,7 @@ class ConditionDifferences:
         return derivatives
 
     def _of_colours(self, colours: _Colours, found: GapConditions, order: Ints, memory: Floats) -> ConditionDerivatives:
-        """Differences with the nodes of one colour moved at a time, once along each axis."""
+        """Return differences with the nodes of one colour moved at a time, along each axis."""
         row = np.repeat(np.arange(len(found.owner)), np.diff(found.start))
         here = found.normal_weight[order]
         entries, moved, values = [], [], []
@@ -73,18 +73,18 @@ class ConditionDifferences:
         return ConditionDerivatives(np.concatenate(entries), np.concatenate(moved), np.concatenate(values))
 
     def _weights(self, found: GapConditions, order: Ints, move: Floats, memory: Floats) -> Floats:
-        """Normal weights (z, 2), in order, with nodes moved by `move` (N, 2) of their steps; nan where nodes differ."""
+        """Return sorted normal weights (z, 2), with nodes moved by `move` (N, 2) of their steps; NaN if nodes vary."""
         pair = self.pair
         by = STEP * self.size[:, None] * move
         at = SurfacePositions(pair.at.slave + by[pair.slave.nodes], pair.at.master + by[pair.master.nodes])
         return _aligned(found, order, pair.ask(pair.seen(memory)._replace(at=at, memory=memory.copy())), pair.slots)
 
-    # --- what conditions follow from --------------------------------------------------------------
+    # --- nodes that constraints depend on --------------------------------------------------------------
 
     def _wider(self, depends: csr_array) -> csr_array:
-        """Also what those conditions follow from that share a node; all nodes of both surfaces where that is no more.
+        """Return the pattern extended to constraints that share a node; all nodes of both surfaces if this adds none.
 
-        Rows of a mortar whose T was inverted name one slave node, and follow from all that face their masters.
+        Rows of a mortar with inverted T name one slave node, and depend on all nodes that face their masters.
         """
         wider = _pattern(depends @ depends.T @ depends)
         if wider.nnz > depends.nnz:
@@ -94,19 +94,19 @@ class ConditionDifferences:
         return _pattern(csr_array(np.ones((depends.shape[0], 1)) * of_either))
 
     def _tells_all(self, given: ConditionDerivatives, order: Ints, sides: list[Floats]) -> bool:
-        """Whether derivatives tell how weights change as all nodes move at once; what has a kink is left aside."""
+        """Return whether derivatives reproduce the change of weights as all nodes move; kinks are ignored."""
         along, moves = np.zeros((len(order), 2)), (self.size[:, None] * self.at_once).ravel()
         np.add.at(along, given.entry, given.value * moves[given.moved, None])
         missed = np.abs((sides[0] - sides[1]) / (2.0 * STEP) - along[order])
         here = self.pair.found.normal_weight[order]  # type: ignore[union-attr]
         bent = np.abs(sides[0] + sides[1] - 2.0 * here) > KINK * STEP
-        return not bool(np.any((missed > MISSED) & ~bent))  # nan, where nodes are others, is no miss
+        return not bool(np.any((missed > MISSED) & ~bent))  # NaN, for other nodes, is no miss
 
 
 class _Colours:
-    """A colour for every node that a condition (row) depends on, no two alike in one condition; greedily.
+    """Colours of all nodes that a constraint (row) depends on, all different within a constraint; greedily.
 
-    node (k, colours) that each condition has of each colour or -1, masks (N,) of the `members` of each colour
+    node (k, colours) of each constraint and colour or -1, masks (N,) of the `members` of each colour
     """
 
     def __init__(self, depends: csr_array) -> None:
@@ -125,7 +125,7 @@ class _Colours:
 
 
 def _pattern(product: Any) -> csr_array:
-    """Where a product is not zero, in order."""
+    """Return the sorted pattern of nonzeros of a product."""
     found = csr_array(product)
     found.sort_indices()
     found.data[:] = 1.0
@@ -133,7 +133,7 @@ def _pattern(product: Any) -> csr_array:
 
 
 def _reach(pair: GapPair) -> csr_array:
-    """(N, N) which nodes a condition may follow from that has a node: `RING` neighbours along both surfaces."""
+    """Return (N, N) the nodes that a constraint on a node may depend on: `RING` neighbours along both surfaces."""
     nodes = len(pair.of_slave)
     links = eye_array(nodes, format="csr")
     for surface in (pair.slave, pair.master):
@@ -147,13 +147,13 @@ def _reach(pair: GapPair) -> csr_array:
 
 
 def _order(found: GapConditions) -> Ints:
-    """Entries sorted by node within each condition."""
+    """Return entries sorted by node within each constraint."""
     row = np.repeat(np.arange(len(found.owner)), np.diff(found.start))
     return np.lexsort((found.node, row)).astype(np.int32)
 
 
 def _aligned(found: GapConditions, order: Ints, trial: GapConditions, slots: int) -> Floats:
-    """Weights of a trial's conditions at the entries (z,) of `found`, in order; nan where its nodes are others."""
+    """Return weights of a trial's constraints at the entries (z,) of `found`, in order; NaN if its nodes differ."""
     out = np.full((len(order), 2), np.nan)
     place = np.full(slots, -1)
     place[trial.owner] = np.arange(len(trial.owner))
@@ -172,7 +172,7 @@ def _aligned(found: GapConditions, order: Ints, trial: GapConditions, slots: int
 
 
 def _sizes(pair: GapPair) -> Floats:
-    """Length (N,) [mm] of the shortest segment at each node: on graded meshes others are a hundred times as long."""
+    """Return the length (N,) [mm] of the shortest segment at each node: graded meshes vary a hundredfold."""
     size = np.full(len(pair.of_slave), np.inf)
     for surface, at in ((pair.slave, pair.at.slave), (pair.master, pair.at.master)):
         ends = at[surface.segments]
@@ -183,7 +183,7 @@ def _sizes(pair: GapPair) -> Floats:
 
 
 def _difference(high: Floats, here: Floats, low: Floats, step: Floats) -> Floats:
-    """Central difference; one-sided where the other side lies beyond a kink, zero where both do."""
+    """Return the central difference; one-sided if the other side lies beyond a kink, zero if both do."""
     value = (high - low) / (2.0 * step)
     value = np.where(np.isnan(low), (high - here) / step, value)
     value = np.where(np.isnan(high), (here - low) / step, value)

@@ -17,17 +17,17 @@ from contactlab.kernels.contact.factored_rows import allow_constant_motion
 from contactlab.kernels.contact.gap_gradients import allow_motion
 from contactlab.kernels.contact.pair import largest_sideways
 
-ROUND = 1e-9  # of a segment: what lies that far across a normal turns it by round-off
+ROUND = 1e-9  # segment lengths: an offset this far across a normal turns it by round-off
 
 
 class ConsistentContactSystem(ContactSystem):
-    """As `ContactSystem`, with rows that are the derivatives of the gaps where the step starts."""
+    """`ContactSystem` whose rows are the derivatives of the gaps at the start of the step."""
 
     consistent: ClassVar[bool] = True
 
     def __init__(self, pairs: tuple[ContactPair, ...], enforcement: ExplicitEnforcement, state: State) -> None:
         super().__init__(pairs, enforcement, state)
-        # finished conditions have weights that are the derivatives of their gaps already
+        # finished constraints have weights that are the derivatives of their gaps already
         self.gradients = {n: PairGradients(pair) for n, pair in enumerate(pairs) if isinstance(pair, OperatorPair)}
         for pair in pairs:
             if isinstance(pair, OperatorPair):
@@ -35,13 +35,13 @@ class ConsistentContactSystem(ContactSystem):
         self.velocity = state["velocity"]
 
     def calls_per_step(self) -> Counter[str]:
-        """Conditions once; slips are measured with the gradients, which need no normals of the start of the step."""
+        """Count constraints once; slips use the gradients, which need no normals at the start of the step."""
         calls = super().calls_per_step()
         del calls["contact normals"]
         return Counter({call: min(count, len(self.passes)) for call, count in calls.items()})
 
     def _reductions(self, pairs: tuple[ContactPair, ...]) -> tuple[Reduced, ...]:
-        """Rows by the ends of pieces; and by columns, where closest points are joined."""
+        """Return rows by overlap ends, and rows by columns if closest points are joined."""
         if not self.enforcement.factored:
             return ()
         found: list[Reduced] = []
@@ -68,8 +68,8 @@ class ConsistentContactSystem(ContactSystem):
         return entries
 
     def _advance(self, pair: ContactPair, first: int, current: Floats, predicted: Floats) -> None:
-        """What the rows of a pair, from `first` on, have to hold at the end of the step."""
-        # an overlap of the start that is pushed out puts energy in on purpose
+        """Set what the rows of a pair, from `first` on, have to hold at the end of the step."""
+        # pushing out an initial overlap adds energy on purpose
         strict, rows = not pair.pushes_overlaps_out, self.rows
         allow_motion(
             first, rows.count, rows.packed.address, current, predicted, self.velocity, self.state.last_dt, strict
@@ -77,14 +77,14 @@ class ConsistentContactSystem(ContactSystem):
 
 
 class ConstantColumns(Columns):
-    """Rows along normals that are the derivatives of the gaps as they are: closest points are joined."""
+    """Rows along normals that are exact derivatives of the gaps, as closest points are joined."""
 
     def __init__(self, pairs: Sequence[OperatorPair], enforcement: ExplicitEnforcement, state: State) -> None:
         super().__init__(pairs, enforcement)
         self.addresses, self.state, self.offset = pairs, state, np.zeros(len(self.factors.gap))
 
     def assemble(self, current: Floats, predicted: Floats) -> bool:
-        """See `Reduced`; False where what is joined lies across the normal."""
+        """See `Reduced`; False if joined points are offset across the normal."""
         if any(largest_sideways(pair.address) > ROUND for pair in self.addresses):
             return False
         super().assemble(current, predicted)
@@ -95,7 +95,7 @@ class ConstantColumns(Columns):
         return True
 
     def solve(self, compliance: Floats, multipliers: Floats, force: Floats) -> Solve | None:
-        """See `Reduced`; what is left are gaps at the end of the step."""
+        """See `Reduced`; the remaining gaps belong to the end of the step."""
         done = super().solve(compliance, multipliers, force)
         if done is not None:
             self.factors.left[: self.factors.count] += self.offset[: self.factors.count]
@@ -103,7 +103,7 @@ class ConstantColumns(Columns):
 
 
 def joined(pairs: Sequence[ContactPair]) -> list[OperatorPair]:
-    """Those of the pairs whose conditions join closest points, and can be given by columns."""
+    """Return the pairs whose constraints join closest points, and can be given by columns."""
     return [
         pair
         for pair in pairs

@@ -1,4 +1,4 @@
-"""The pair for an algorithm: the one place that tells the kinds of algorithms and of pairs apart."""
+"""Factory of pairs: the only module that distinguishes the kinds of algorithms and pairs."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ def contact_pair(
     fixed: Flags,
     behind: tuple[Floats, Floats] | None = None,
 ) -> ContactPair:
-    """A pair of slave and master at work; `fixed` (m,) marks slave nodes that cannot move.
+    """Return a pair of slave and master at work; `fixed` (m,) marks slave nodes that cannot move.
 
-    Potentials see what is `behind` each node (N,): a modulus [MPa], and that over the depth of its cells [MPa/mm].
+    Potentials get the material `behind` each node (N,): a modulus [MPa], and modulus over cell depth [MPa/mm].
     """
     if isinstance(algorithm, Potential):
         from contactlab.contact.potential_pair import PotentialPair
@@ -49,15 +49,15 @@ def contact_pair(
 
 
 def twin(pair: ContactPair, reference: Floats) -> ContactPair:
-    """A pair of the same conditions that shares no array with it; it has no friction, and counts gaps in full."""
+    """Return a pair of the same constraints that shares no array with it, without friction, with gaps in full."""
     fixed = pair.coupling.fixed if isinstance(pair, OperatorPair) else np.zeros(len(pair.slave.nodes), np.bool_)
     return contact_pair(pair.name, pair.method, (pair.slave, pair.master), reference, pair.first_slot, None, fixed)
 
 
 def linearised(pair: ContactPair, nodes: int, consistent: bool = False, in_time: bool = False) -> Linearisation:
-    """Gaps and slips of a pair at trial positions and their derivatives, in a model of so many nodes.
+    """Return the linearisation of a pair at trial positions, in a model of `nodes` nodes.
 
-    consistent  whether normal forces act along the derivatives of the gaps; in_time: by rows of a whole step
+    consistent  normal forces act along the derivatives of the gaps; in_time: by rows of a whole step
     """
     if isinstance(pair, CornerPair):
         from contactlab.contact.gap_linearisation import CornerLinearisation

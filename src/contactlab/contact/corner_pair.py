@@ -1,4 +1,4 @@
-"""Corners of the master as points that stay outside the slave, a pair beside that of a mortar with exchanged sides."""
+"""Corners of the master as points that stay outside the slave, a pair next to a mortar pair, with exchanged sides."""
 
 from __future__ import annotations
 
@@ -13,26 +13,24 @@ from contactlab.contact.gap_pair import GapPair
 from contactlab.contact.pair import turned
 from contactlab.kernels.contact.search import take
 
-POINT = (
-    1e-6  # of a segment: the length of a point, on which adhesion and bounds of the shear stress are next to nothing
-)
+POINT = 1e-6  # of a segment: the length of a point, so that adhesion and shear bounds are negligible
 
 
 class CornerPoints(GapAlgorithm):
-    """The method of a pair whose conditions follow from another pair."""
+    """The method of a pair whose constraints follow from another pair."""
 
     passes_patch_test: ClassVar[bool] = False
 
     def conditions(self, view: ContactView, *, tangent: bool) -> GapConditions:
-        """None by itself."""
+        """Raise NotImplementedError: the pair of the mortar finds the constraints."""
         raise NotImplementedError("points at corners are found by the pair of the mortar")
 
 
 class CornerPair(GapPair):
-    """One condition for each of the `corners.points`: the gap to a segment, whose weights are its derivatives.
+    """Constraints of the `corners.points`: gaps to a segment, whose weights are their derivatives.
 
-    corners  corners of the pair of the mortar, which is updated before this one
-    touched  what they touch, in the order of the conditions
+    corners  corners of the mortar pair, which is updated first
+    touched  their contacts, in the order of the constraints
     """
 
     at_corners: ClassVar[bool] = True
@@ -41,11 +39,11 @@ class CornerPair(GapPair):
     idle = False
 
     def calls_per_step(self) -> dict[str, int]:
-        """None: no algorithm is asked."""
+        """Return an empty count: no algorithm is called."""
         return {}
 
     def update(self, positions: Floats, memory: Floats) -> None:
-        """Make the conditions at `positions` (N, 2) of the corners that are points of the mortar's last update."""
+        """Make the constraints at `positions` (N, 2) of the corners that are points of the mortar's last update."""
         if self.idle and not self.corners.points:
             return
         chosen = {touch.corner for touch in self.corners.points}
@@ -63,7 +61,7 @@ class CornerPair(GapPair):
         self.compute_gaps(positions)
 
     def update_pushed(self, predicted: Floats, compliance: Floats, force: Floats, memory: Floats) -> None:
-        """As of every pair."""
+        """Update unless idle without points at corners."""
         if not self.idle or self.corners.points:
             super().update_pushed(predicted, compliance, force, memory)
 
@@ -80,7 +78,7 @@ class CornerPair(GapPair):
         return GapConditions(start, node.ravel(), normal, along, gap, measure, owner)
 
     def compute_start_normals(self, positions: Floats, memory: Floats) -> None:
-        """Normals of the same segments at `positions`, where the step starts."""
+        """Compute normals of the same segments at `positions`, the start of the step."""
         assert self.sliding is not None
         self.sliding.before[:] = self.normals
         for touch in self.touched:

@@ -1,4 +1,4 @@
-"""Forces at corners of the master, reported by the slave's nodes at their segments."""
+"""Forces at corners of the master, distributed to the slave's nodes at their segments."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ if TYPE_CHECKING:
     from contactlab.contact.corner_pair import CornerPair
     from contactlab.contact.operator_pair import OperatorPair
 
-LEAST = 0.5  # of its length: over less of it, no node spreads what a corner gives it
+LEAST = 0.5  # of its length: with less overlap a node spreads no corner force
 
 
 def with_corners(pair: OperatorPair, seen: ContactSnapshot, multipliers: Floats) -> ContactSnapshot:
-    """The snapshot of a mortar's pair with forces at its nodes, among them those at corners.
+    """Return the snapshot of a mortar pair with nodal forces that include corner forces.
 
-    The resultant is that of all forces. Forces of points, and those taken at corners from which tractions would change
-    their signs, are no tractions of the basis: each node has its share of them, over the length that it stands for.
+    The resultant contains all forces. Forces of points, and corner forces that would change the sign of tractions,
+    are no tractions of the basis: each node gets its share of them, over its length.
     """
     corners = pair.corners
     assert corners is not None
@@ -55,12 +55,12 @@ def with_corners(pair: OperatorPair, seen: ContactSnapshot, multipliers: Floats)
 
 
 def _of_points(pair: OperatorPair, multipliers: Floats, slots: int) -> tuple[Floats, Floats]:
-    """Normal and tangential forces (2, k, 2) [N] of points at carriers of multipliers, and gaps (k,) [mm] of points."""
+    """Return normal and tangential forces (2, k, 2) [N] of points at nodes with multipliers, and gaps (k,) [mm]."""
     points, given, gap = cast("CornerPair", pair.points), np.zeros((2, slots, 2)), np.zeros(slots)
     known = multipliers[:, points.own]
     for touch in points.touched:
         nodes = pair.slave.segments[touch.segment]
-        # against the normal and the tangent of the point, whose slave is the master here
+        # opposite to the normal and the tangent of the point, whose slave is the master here
         for part, direction in enumerate((-touch.outward, touch.along)[: len(known)]):
             given[part, nodes] += known[part, touch.corner] * np.outer((1.0 - touch.xi, touch.xi), direction)
         gap[nodes] = points.gaps[touch.corner, 0]

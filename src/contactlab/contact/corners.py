@@ -1,9 +1,9 @@
-"""Corners of the master beside mean gaps of a mortar: which segment of the slave each touches, and how it holds.
+"""Corners of the master in a mortar contact: the slave segment that each touches, and its constraint.
 
-A mean gap over a segment that a corner touches lets the corner into the slave, and changes as the segment slides past:
-forces along its derivatives hold the slide up. Where the node beyond a corner has a multiplier but nothing below it,
-its condition is therefore taken at the corner, between both nodes of the segment. Other corners are points of their own
-that stay outside the slave (`contactlab.contact.corner_pair`), a little deeper than mean gaps, which hold flat flanks.
+A mean gap over a segment that a corner touches lets the corner penetrate, and changes as the segment slides past:
+forces along its derivatives hinder sliding. If the node beyond a corner has a multiplier but nothing below it,
+its constraint is therefore taken at the corner, between both nodes of the segment. Other corners are points of their
+own that stay outside the slave (`contactlab.contact.corner_pair`), at a slack below mean gaps, which hold flat flanks.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ if TYPE_CHECKING:
 
 SHARP = 0.5  # sine by which the master turns outward at a corner
 CLOSE = 3.0  # segments: corners farther from all nodes of the slave touch it in no step of a near list
-FAR = 0.25  # of the extent of the slave: a trial that moves nodes so far in a step is none that corners could hold
-SLACK = 0.002  # of the shortest segment of the slave: how deep a point lies before it bears
+FAR = 0.25  # of the extent of the slave: corners cannot hold a trial that moves nodes so far in a step
+SLACK = 0.002  # of the shortest segment of the slave: depth of a point before it bears
 
 
 class Touch(NamedTuple):
-    """Corner `corner` of the master near segment `segment` of the slave: its foot, gap [mm], and the segment there.
+    """Corner `corner` of the master near slave segment `segment`: its projection, gap [mm], and the segment.
 
     along   (2,) unit vector along the segment, outward (2,) its normal; length [mm]
     """
@@ -49,7 +49,7 @@ class Touch(NamedTuple):
 
 
 class Moved(NamedTuple):
-    """The condition of multiplier `slot` is taken at a corner: `share` of it and the rest of that of `partner`.
+    """A constraint of multiplier `slot` taken at a corner: `share` of it and the remainder of `partner`.
 
     nodes  (3,) global nodes by which the share changes, with `rates` (3, 2) [1/mm]
     """
@@ -62,12 +62,12 @@ class Moved(NamedTuple):
 
 
 class Corners:
-    """Corners of the master of a mortar's pair. `points` are touched as points, conditions `moved` are taken at others.
+    """Corners of the master of a mortar pair. `points` act as points, constraints `moved` are taken at the others.
 
     nodes     nodes (c,) of the master that are corners
-    slack     [mm] how deep a point lies before it bears
-    close     those that the slave is close to
-    start     (m, 2) [mm] the slave's nodes at the start of the step, where steps iterate
+    slack     [mm] depth of a point before it bears
+    close     corners near the slave
+    start     (m, 2) [mm] the slave's nodes at the start of the step, if steps iterate
     """
 
     def __init__(self, pair: OperatorPair, nodes: Ints) -> None:
@@ -81,11 +81,11 @@ class Corners:
 
     @property
     def touching(self) -> bool:
-        """Whether any corner has a condition."""
+        """True if any corner has a constraint."""
         return bool(self.moved or self.points)
 
     def update(self) -> None:
-        """Find what each corner touches where the pair is, and take conditions there."""
+        """Find the contact of each corner at the present positions, and take constraints there."""
         if self.pair.near is not self.near:
             self._list_segments()
         if self.touching:
@@ -107,7 +107,7 @@ class Corners:
         return bool(np.hypot(*moved.T).max() > FAR * np.hypot(*extent))
 
     def touches(self, at: SurfacePositions) -> list[Touch]:
-        """What corners touch with both sides at the positions `at`."""
+        """Return the contacts of corners with both sides at the positions `at`."""
         if not len(self.close):
             return []
         slave, master, segment, found = self.pair.slave, self.pair.master, self._segment, self._found
@@ -121,7 +121,7 @@ class Corners:
         ]
 
     def _list_segments(self) -> None:
-        """Corners that the slave is close to, and its segments near each."""
+        """List corners near the slave, and its segments near each corner."""
         self.near, pair, master = self.pair.near, self.pair, self.pair.master
         assert self.near is not None
         candidates = self.near.candidates
@@ -136,7 +136,7 @@ class Corners:
         self._segment, self._found = np.zeros(len(self.close), np.int32), np.zeros((len(self.close), 7))
 
     def _moved(self, touch: Touch) -> Moved | None:
-        """The condition of the node beyond a corner; None if it is merged, or something else is below the node."""
+        """Return the constraint of the node beyond a corner; None if merged, or if something else is below the node."""
         pair, slave = self.pair, self.pair.slave
         seen, ends, owner = pair.pieces.segment[: pair.count, 0], pair.pieces.ends, pair.coupling.owner
         own = np.flatnonzero(seen == touch.segment)
@@ -153,7 +153,7 @@ class Corners:
         share, sign = (touch.xi, 1.0) if end else (1.0 - touch.xi, -1.0)
         return Moved(slot, partner, share, nodes, sign * touch.rates)
 
-    # --- conditions that are taken at corners -----------------------------------------------------
+    # --- constraints taken at corners -----------------------------------------------------
 
     def take(self, values: Floats) -> None:
         """Take values (k, ...) of multipliers, whose first column are gaps, at the corners."""
@@ -161,11 +161,11 @@ class Corners:
             values[slot, 0] = share * values[slot, 0] + (1.0 - share) * values[partner, 0]
 
     def change(self, moved: Moved, values: Floats) -> float:
-        """What a value of (k,), taken at a corner, changes by its share."""
+        """Return the change of a value of (k,), taken at a corner, by its share."""
         return float((values[moved.slot] - values[moved.partner]) / moved.share)
 
     def at_nodes(self, forces: Floats) -> Floats:
-        """Forces (r, k) at the nodes of multipliers, from those at corners."""
+        """Return forces (r, k) at the nodes of multipliers, from forces at corners."""
         forces = forces.copy()
         for slot, partner, share, _, _ in self.moved:
             forces[:, partner] += (1.0 - share) * forces[:, slot]
@@ -173,7 +173,7 @@ class Corners:
         return forces
 
     def take_rows(self, rows: Rows, first: int, entries: int) -> int:
-        """Take those rows from `first` on at the corners; returns the next free entry, or -1 without room for it."""
+        """Take rows from `first` on at the corners. Return the next free entry, or -1 without room."""
         slot = rows.slot[first : rows.count] - self.pair.first_slot
         for moved in self.moved:
             own, other = (first + int(np.flatnonzero(slot == k)[0]) for k in (moved.slot, moved.partner))
@@ -190,7 +190,7 @@ class Corners:
 
 
 def corners_of(surface: Surface, positions: Floats) -> Ints:
-    """Nodes (c,) of a surface at `positions` (N, 2) where it ends or turns outward."""
+    """Return nodes (c,) of a surface at `positions` (N, 2) at which it ends or turns outward."""
     at = positions[surface.nodes]
     edge = at[surface.segments[:, 1]] - at[surface.segments[:, 0]]
     edge /= np.hypot(edge[:, 0], edge[:, 1])[:, None]

@@ -13,18 +13,18 @@ from contactlab.api.contact import MERGED_BELOW
 from contactlab.kernels.contact import banded_rows, coupling
 from contactlab.kernels.contact.tables import BandedRows, CouplingTable
 
-# for steps that free multipliers by and by, in shares of their lengths
-TIE = 0.1  # what ties a multiplier that is half free, about as much as T does at the cover where one comes free
-HELD_BELOW = 0.5  # one that is merged at the start of a step can be held so up to this cover,
-KEPT_ABOVE = 0.6  # and one that is free is merged below this share of that cover: it does not come and go
+# for steps that free multipliers gradually, in shares of their lengths
+TIE = 0.1  # tie of a half-free multiplier, about as much as T at the overlap of release
+HELD_BELOW = 0.5  # overlap up to which a multiplier merged at the start of a step stays merged,
+KEPT_ABOVE = 0.6  # and share of this overlap below which a free multiplier is merged: hysteresis
 
 
 class Coupling:
-    """The tridiagonal T of k multipliers: merged and dropped where little of them is covered, and factorised.
+    """The tridiagonal T of k multipliers: merged and dropped if they have little overlap, and factorised.
 
     `table` holds its arrays, which the kernels of a pair fill from segment contributions. `carriers` (m,) marks slave
-    nodes that carry multipliers, `fixed` (m,) those that cannot move: theirs are merged whatever they cover.
-    `merged_below` is the share of its length below which `let_go` and what follows it merge a multiplier.
+    nodes with multipliers, `fixed` (m,) nodes that cannot move: these multipliers are merged at any overlap.
+    `merged_below` is the share of its length below which `let_go` and the code after it merge a multiplier.
     """
 
     def __init__(
@@ -52,44 +52,44 @@ class Coupling:
 
     @property
     def owner(self) -> Ints:
-        """The multiplier (k,) that each one became, -1 if it was dropped."""
+        """The owner (k,) that each multiplier is merged into, -1 if it was dropped."""
         return self.table.owner
 
     @property
     def cover(self) -> Floats:
-        """Covered length (k,) [mm] of each multiplier."""
+        """Overlap length (k,) [mm] of each multiplier."""
         return self.table.cover
 
     @property
     def full(self) -> Floats:
-        """Length (k,) [mm] of each multiplier on full cover."""
+        """Length (k,) [mm] of each multiplier on full overlap."""
         return self.table.full
 
     @property
     def fixed(self) -> Flags:
-        """Which slave nodes (m,) cannot move."""
+        """Slave nodes (m,) that cannot move."""
         nodes = len(self.table.fixed) // self.rows_per_node
         return self.table.fixed[:nodes]
 
     @property
     def free(self) -> Flags:
-        """Which multipliers (k,) are neither merged nor dropped."""
+        """Multipliers (k,) that are neither merged nor dropped."""
         free: Flags = self.owner == np.arange(len(self.owner), dtype=np.int32)
         return free
 
     def let_go(self) -> None:
-        """Tie nothing, and merge what keeps too little of its length: the coupling as the theory has it."""
+        """Tie nothing, and merge multipliers with too little overlap: the coupling of the theory."""
         self.table.least[:], self.table.tie[:] = self.merged_below, 0.0
 
     def untie(self, freedom: Floats) -> None:
-        """Tie nothing; what has some `freedom` (k,) is merged later than what comes free."""
+        """Tie nothing; a multiplier with some `freedom` (k,) is merged later than a multiplier that comes free."""
         self.table.least[:] = np.where(freedom > 0.0, KEPT_ABOVE * self.merged_below, self.merged_below)
         self.table.tie[:] = 0.0
 
     def hold(self, freedom: Floats) -> None:
-        """Let every multiplier go as far as `freedom` (k,) says: 1 frees it, 0 holds it merged until half is covered.
+        """Release every multiplier by `freedom` (k,): 1 frees it, 0 holds it merged until half overlaps.
 
-        In between it is tied to the neighbour that it would be merged into, the less the more of it is free.
+        In between it is tied to the neighbour that it would be merged into, less so with more freedom.
         """
         t = self.table
         t.least[:] = np.where(freedom > 0.0, KEPT_ABOVE * self.merged_below, HELD_BELOW)
@@ -98,22 +98,22 @@ class Coupling:
         t.tie[part] = TIE * t.full[part] * (1.0 / freedom[part] - 1.0)
 
     def solve(self, values: Floats) -> Floats:
-        """T^-1 values (k,), those of the owner where multipliers are merged, 0 where they are dropped."""
+        """Return T^-1 values (k,): the owner's value if merged, 0 if dropped."""
         found = np.array(values)
         coupling.solve(self.bound.address, found)
         return np.where(self.owner >= 0, found[self.owner], 0.0)
 
     def between(self, nodes: int) -> tuple[Ints, Ints, Ints]:
-        """Those of the slave's nodes that carry no multiplier, and the carriers that follow and precede each."""
+        """Return slave nodes without multiplier, and the next and previous node with a multiplier for each."""
         inner = self.table.absent[self.table.absent < nodes]
         return inner, self.table.following[inner], self.table.preceding[inner]
 
     def rows(self, columns: BandedRows, rows: BandedRows) -> BandedRows:
-        """Rows of T^-T A^T from columns of A, in `rows` or in wider ones."""
+        """Return rows of T^-T A^T from columns of A, in `rows` or in wider rows."""
         return self._wide_enough(lambda out, room: banded_rows.solved(self.bound.address, columns, out, room), rows)
 
     def inverse_transposed(self, rows: BandedRows) -> BandedRows:
-        """Rows of T^-T, in `rows` or in wider ones."""
+        """Return rows of T^-T, in `rows` or in wider rows."""
         return self._wide_enough(lambda out, room: banded_rows.inverse_transposed(self.bound.address, out, room), rows)
 
     def _wide_enough(self, fill: Callable[[BandedRows, Floats], int], rows: BandedRows) -> BandedRows:
@@ -126,7 +126,7 @@ class Coupling:
 
 
 def _neighbours(slave: Surface, slots: int, carried: Flags) -> tuple[Ints, Ints]:
-    """For every node and slot the multipliers of the next and of the previous carrier of the chain, -1 at ends."""
+    """Return the multipliers of the next and previous node with multipliers, by node and slot, -1 at ends."""
     m = len(slave.nodes)
     into, out = slave.node_segments[:, 0], slave.node_segments[:, 1]
     following = np.where(out >= 0, slave.segments[out, 1], -1)

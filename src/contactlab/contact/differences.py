@@ -13,12 +13,12 @@ from contactlab.kernels.contact import derivatives as kernels
 
 STEP = 1e-5  # segment lengths; central differences of smooth pieces then err by about 1e-10
 OWN_ENTRIES = 16  # room for derivatives that an algorithm gives, for each node and multiplier of a piece
-OWN_NORMALS = 32  # room for derivatives of normals that follow from what a piece sees, for each piece
-RING = 2  # further nodes on either side of a piece that averaged normals may bring in
+OWN_NORMALS = 32  # room for derivatives of normals that depend on a piece, for each piece
+RING = 2  # further nodes on both sides of a piece that it may depend on by averaged normals
 
 
 class DerivativesOfPieces:
-    """The algorithm's own derivatives, or what follows from moving the nodes of one colour at a time."""
+    """Derivatives of pieces from the algorithm, or by moving the nodes of one colour at a time."""
 
     def __init__(self, pair: OperatorPair) -> None:
         self.pair = pair
@@ -32,7 +32,7 @@ class DerivativesOfPieces:
         return Pieces.allocate(len(self.pair.pieces.slave), self.pair.widths, self.pair.slots)
 
     def of(self, memory: Floats) -> PieceDerivatives:
-        """Derivatives of the pair's pieces at its present positions; the same object every call."""
+        """Return derivatives of the pair's pieces at its present positions; the same object every call."""
         pair = self.pair
         self._make_room(OWN_ENTRIES * pair.count * sum(pair.widths), 20 * pair.slots + OWN_NORMALS * pair.count)
         if pair.algorithm.derivatives(pair.seen(memory), pair.pieces, pair.count, self.out):
@@ -49,7 +49,7 @@ class DerivativesOfPieces:
             self.high, self.low = self._spare(), self._spare()
         self._look(memory)
         owners = self._owners(memory)
-        # every piece depends on at most so many coordinates; unmatched pieces stand twice
+        # upper limit of coordinates per piece; unmatched pieces stand twice
         width = 2 * sum(_period(nodes[: pair.count]) for nodes in (pair.pieces.slave, pair.pieces.master))
         entries, normals = 2 * (pair.count + 8) * width, 2 * pair.slots * sum(_period(o) for o in owners)
         self._make_room(entries, normals)
@@ -59,7 +59,7 @@ class DerivativesOfPieces:
         return self.out
 
     def _owners(self, memory: Floats) -> tuple[Ints, Ints]:
-        """Surface nodes on either side that the normal of each multiplier may depend on."""
+        """Return surface nodes on both sides that the normal of each multiplier may depend on."""
         pair = self.pair
         m = len(pair.slave.nodes)
         slave = (np.arange(pair.slots, dtype=np.int32) % m)[:, None]
@@ -73,7 +73,7 @@ class DerivativesOfPieces:
         return slave, np.stack([np.minimum(first, last), last], axis=1)
 
     def _probe(self, memory: Floats) -> bool:
-        """Whether normals change with the master's positions."""
+        """Return whether normals change with the master's positions."""
         pair = self.pair
         shake = np.random.default_rng(1).uniform(-STEP, STEP, pair.at.master.shape) * pair.size
         self.shown[0].at.master[:] += shake
@@ -104,7 +104,7 @@ class DerivativesOfPieces:
                 )
 
     def _look(self, memory: Floats) -> None:
-        """Two views with positions and memory of their own, one for each side of a difference.
+        """Make two views with positions and memory of their own, one for each side of a difference.
 
         They stay the same objects for all differences of a call, so that an algorithm binds its arrays to them once.
         """
@@ -114,7 +114,7 @@ class DerivativesOfPieces:
         )
 
     def _moved(self, which: int, side: int, chosen: Flags, direction: int, step: float, memory: Floats) -> int:
-        """Pieces with some nodes moved, into `high` or `low`; the positions are as before then."""
+        """Compute pieces with some nodes moved, into `high` or `low`, and restore the positions."""
         at, kept = self.shown[which].at[side], self.pair.at[side]
         at[chosen, direction] += step
         count = self._evaluate(which, memory)
@@ -133,25 +133,25 @@ def _arrays(pieces: Pieces) -> tuple[Ints, Ints, Ints, Floats, Floats, Floats]:
 
 
 def _links(surface: Surface) -> tuple[Ints, Ints]:
-    """The next and the previous node of every node of a surface, -1 at ends."""
+    """Return the next and previous node of every node of a surface, -1 at ends."""
     into, out = surface.node_segments[:, 0], surface.node_segments[:, 1]
     following = np.where(out >= 0, surface.segments[out, 1], -1).astype(np.int32)
     return following, np.where(into >= 0, surface.segments[into, 0], -1).astype(np.int32)
 
 
 def _period(nodes: Ints) -> int:
-    """How many neighbours on a chain must differ in colour so that no piece depends on two of one colour."""
+    """Return how many neighbours on a chain need different colours so that no piece depends on two of one colour."""
     used = nodes[nodes[:, 0] >= 0] if len(nodes) else nodes
     if not len(used):
         return 1 + 2 * RING
     span = used.max(axis=1) - used.min(axis=1)
-    # a piece across the start of a closed chain has a span of almost the whole chain
+    # a piece across the start of a closed chain spans almost the whole chain
     inner = span[span <= max(used.shape[1], (int(used.max()) + 1) // 2)]
     return int(inner.max(initial=0)) + 1 + 2 * RING
 
 
 def _colours(nodes: int, period: int) -> Ints:
-    """Colours that repeat with `period`; what is left over at the end of a chain gets colours of its own."""
+    """Return colours that repeat with `period`; the remainder at the end of a chain gets colours of its own."""
     whole = nodes - nodes % period
     colours = np.arange(nodes) % period
     colours[whole:] = period + np.arange(nodes - whole)

@@ -1,4 +1,4 @@
-"""Whether what contact algorithms gave is finite, and the words for what is not: parts are given finite numbers."""
+"""Checks that results of contact algorithms are finite, and the messages if not: plugins get finite numbers."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ if TYPE_CHECKING:
 
 
 def finite(*arrays: Floats) -> bool:
-    """Whether all numbers are; sums of them tell, without an array of answers."""
+    """Return whether all numbers are finite; sums show it, without an array of booleans."""
     return all(bool(np.isfinite(array.sum())) or bool(np.isfinite(array).all()) for array in arrays)
 
 
 def refuse(part: Any, method: str, what: str, place: str = "") -> None:
-    """Raise WrongAnswer: a method of a part gave what is not finite."""
+    """Raise WrongAnswer: a method of a plugin component gave a result that is not finite."""
     raise WrongAnswer(f"{type(part).__name__}: {method} gave {what} that is not finite{place}, from finite numbers")
 
 
 def copies(view: ContactView) -> dict[str, Floats]:
-    """All arrays of a view as they are now, but `memory`, which an algorithm may write."""
+    """Return copies of all arrays of a view except `memory`, which an algorithm may write."""
     return {name: array.copy() for name, array in _arrays(view).items()}
 
 
 def refuse_written(view: ContactView, before: dict[str, Floats], part: Any, method: str) -> None:
-    """Raise WrongAnswer where an algorithm wrote to its view, whose `copies` were made before.
+    """Raise WrongAnswer if an algorithm wrote to its view, whose `copies` were made before.
 
-    The surfaces are the model's own: gaps and forces would then belong to other positions, and nothing would say so.
+    The surfaces belong to the model: gaps and forces would silently belong to other positions.
     """
     for name, array in _arrays(view).items():
         if not np.array_equal(array, before[name]):
@@ -53,13 +53,13 @@ def _arrays(view: ContactView) -> dict[str, Floats]:
 
 
 def examine_contact(contact: Any) -> None:
-    """The algorithm of every pair at its last update, then the enforcement; None where there is no contact."""
+    """Check the algorithm of every pair at its last update, then the enforcement; None without contact."""
     for pair in contact.passes if contact is not None else ():
         examine_pair(pair)
 
 
 def examine_pair(pair: ContactPair) -> None:
-    """Raise WrongAnswer where what a contact algorithm gave last is no number."""
+    """Raise WrongAnswer if the last results of a contact algorithm are not finite."""
     pieces, found = getattr(pair, "pieces", None), getattr(pair, "found", None)
     if pieces is not None:
         _examine_pieces(pair, pieces, getattr(pair, "count", 0))

@@ -1,4 +1,4 @@
-"""All contact pairs of a model: one list of rows, one solve."""
+"""All contact pairs of a model: one list of constraints, one solve."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ if TYPE_CHECKING:
     from contactlab.contact.corner_pair import CornerPair
     from contactlab.contact.work_split import WorkSplit
 
-MARGIN = 0.1  # segment lengths: conditions farther open than this cannot close within a step
+MARGIN = 0.1  # segment lengths: constraints with a larger gap cannot close within a step
 GROW = 1.5
-ROUNDS = 20  # solves of a step in which bounds follow slips, most
+ROUNDS = 20  # most solves of a step in which bounds follow slips
 
 
 class ContactSystem:
     """The pairs and the enforcement they share. Implements `contactlab.api.ContactEquations`.
 
-    `seconds` counts the wall time of contact, `solution_s` that of the enforcement in it. `consistent` is whether
+    `seconds` counts the wall time of contact, `solution_s` its part in the enforcement. `consistent` is True if
     forces act along the derivatives of the gaps.
-    `compliance` is that of the last solve: displacement (N, 2) [mm/N] per contact force within its step.
-    `passes` are all pairs, `pairs` those that reports show (see `ContactPair.second`).
-    `split` sums the work by what it comes from, where the scene asks for it.
+    `compliance` belongs to the last solve: displacement (N, 2) [mm/N] per contact force within its step.
+    `passes` are all pairs, `pairs` the pairs in reports (see `ContactPair.second`).
+    `split` sums the work by its sources, if the scene asks for it.
     `reduced` are rows before the couplings T of their multipliers are inverted, tried in this order before `rows`;
-    `factored` are those that the last step began with.
+    `factored` are the rows that the last step began with.
     """
 
     consistent: ClassVar[bool] = False
@@ -56,7 +56,7 @@ class ContactSystem:
         self.varying = varying(pairs, state)
 
     def calls_per_step(self) -> Counter[str]:
-        """How often a step calls the algorithms, by what they are asked for."""
+        """Return how many calls of each method of the algorithms a step makes."""
         return sum((Counter(pair.calls_per_step()) for pair in self.passes), Counter())
 
     def solve(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
@@ -70,13 +70,13 @@ class ContactSystem:
         return self.last
 
     def _reductions(self, pairs: tuple[ContactPair, ...]) -> tuple[Reduced, ...]:
-        """Rows of the `pairs` that are tried before those that are written out."""
+        """Return the rows of the `pairs` that are tried before the rows that are written out."""
         if self.enforcement.factored and not self.friction and all(pair.factored for pair in pairs):
             return (Columns(pairs, self.enforcement),)
         return ()
 
     def _update(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> None:
-        # normals and weights belong to where the nodes will be: predicted, pushed by the last forces.
+        # normals and weights belong to the final nodal positions: predicted, pushed by the last forces.
         # `predicted` alone is off by dt^2 f/m, some per cent of a segment in pressed zones.
         for pair, memory in zip(self.passes, self.memories, strict=True):
             pair.update_pushed(predicted, compliance, force, memory)
@@ -84,20 +84,20 @@ class ContactSystem:
                 pair.compute_start_normals(current, memory)
 
     def rate(self, step: float) -> float:
-        """Largest eigenvalue [1/s2] that contact adds to the bodies; 0, as exact multipliers do not limit the step.
+        """Return the largest eigenvalue [1/s2] added by contact; 0, as exact multipliers do not limit the step.
 
-        step  [s] stable without contact
+        step  [s] stable step without contact
         """
         return 0.0
 
     @property
     def stiffened(self) -> bool:
-        """Whether `rate` has grown since the step was chosen."""
+        """True if `rate` has grown since the step was chosen."""
         return False
 
     @property
     def stored_since_start(self) -> float:
-        """Energy [mJ] that surfaces hold beyond that of the start; none under exact multipliers."""
+        """Energy [mJ] stored in surfaces beyond their energy at the start; zero under exact multipliers."""
         return 0.0
 
     def friction_work(self, mean_velocity: Floats, dt: float, compliance: Floats, force: Floats) -> tuple[float, float]:
@@ -115,7 +115,7 @@ class ContactSystem:
         return work, dissipation
 
     def following(self, advance: Callable[[float], Step]) -> Callable[[float], Step]:
-        """The function that makes steps, which lets bounds that vary know of each before it is made."""
+        """Return the function that makes steps, which first passes each step to bounds that vary."""
 
         def step(dt: float) -> Step:
             for pair, sliding in self.varying:
@@ -125,7 +125,7 @@ class ContactSystem:
         return step if self.varying else advance
 
     def _enforce(self, compliance: Floats, force: Floats) -> Solve:
-        """Forces of the rows."""
+        """Solve for the forces of the rows."""
         began = perf_counter()
         done = self.enforcement.solve(self.rows, compliance, self.multipliers, force)
         self.solution_s += perf_counter() - began
@@ -152,10 +152,10 @@ class ContactSystem:
         return done._replace(residual=max(done.residual, change))
 
     def _solve(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
-        # extrapolating the normal forces of the last two steps saves a quarter of the sweeps
+        # extrapolating the normal forces of the last two steps saves a quarter of the Gauss-Seidel iterations
         extrapolate(self.multipliers[0], self.before)
         where = predicted, current, compliance, force
-        # conditions that are taken at corners, or points there that can close, have no reduced rows
+        # constraints at corners, or points there that can close, have no reduced rows
         if not any(
             corners.moved or (not points.idle and points.gaps[:, 0].min() <= self.margin)
             for corners, points in self.cornered
@@ -169,7 +169,7 @@ class ContactSystem:
                     if done is not None:
                         return done
         if self.factored is not None:
-            self.factored.count = 0  # these rows are not those that recorders are to see
+            self.factored.count = 0  # output writers are not to see these rows
         return self._solve_full(*where)
 
     def _solve_full(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
@@ -201,7 +201,7 @@ class ContactSystem:
             self.rows = allocate_rows(len(rows.gap), entries // max(1, len(rows.gap)) + 1, self.friction)
 
     def _append(self, number: int, entries: int, margin: float, current: Floats, predicted: Floats) -> int:
-        """Append the rows of a pair; returns the next free entry, or -1 without room for them."""
+        """Append the rows of a pair. Return the next free entry, or -1 if there is no room."""
         return self.passes[number].append_rows(self.rows, entries, margin, self.multipliers, current)
 
 
@@ -213,10 +213,10 @@ class Reduced(Protocol):
         """The chains of T, and the gaps."""
 
     def assemble(self, current: Floats, predicted: Floats) -> bool:
-        """Make the rows for a step between these positions (N, 2); False where there are none."""
+        """Make the rows for a step between these positions (N, 2); False if there are no such rows."""
 
     def solve(self, compliance: Floats, multipliers: Floats, force: Floats) -> Solve | None:
-        """Forces of the rows, as `contactlab.api.ExplicitEnforcement.solve`; None where they are not found."""
+        """Find forces of the rows, as `contactlab.api.ExplicitEnforcement.solve`; None if there is no solution."""
 
 
 class Columns:
@@ -227,7 +227,7 @@ class Columns:
         self.factors = FactoredRows.allocate(slots, 8 * slots)
 
     def assemble(self, current: Floats, predicted: Floats) -> bool:
-        """Rows of all pairs as they were last updated."""
+        """Make the rows of all pairs as last updated."""
         while True:
             self.factors.count = 0
             if all(pair.append_factored(self.factors) for pair in self.pairs):
@@ -240,9 +240,9 @@ class Columns:
 
 
 def slips(rows: Rows, slots: int, compliance: Floats, force: Floats) -> tuple[Floats, Floats]:
-    """Slip (slots,) [mm] of all multipliers, and what a force of 1 N along it adds to it (slots,) [mm/N].
+    """Slip (slots,) [mm] of all multipliers, and its change by a force of 1 N along the slip (slots,) [mm/N].
 
-    Slip is what the rows predicted, and what the forces of the step changed of it.
+    Slip is the prediction of the rows plus the change by the forces of the step.
     """
     k = rows.count
     slot, end = rows.slot[:k], rows.start[k]

@@ -1,7 +1,7 @@
-"""How gaps, slips and nodal forces of finished gap conditions change with the positions of nodes.
+"""Derivatives of the gaps, slips and nodal forces of finished gap constraints by node positions.
 
-A gap is the sum of weights times positions, and so is what a condition has slid; nodal forces are weights times
-multipliers. So all derivatives follow from those of the weights w_z alone (docs/parts/derivatives.md):
+Gaps and slips are sums of weights times positions; nodal forces are weights times multipliers.
+So all derivatives follow from the derivatives of the weights w_z alone (docs/parts/derivatives.md):
 
     d g = sum_z (w_z . dx_z + dw_z . x_z),    d f = sum_z y dw_z
 """
@@ -23,7 +23,7 @@ from contactlab.errors import WrongAnswer
 
 
 class GapLinearisation(Linearisation):
-    """Of a pair of finished conditions."""
+    """Linearisation of a pair of finished constraints."""
 
     pair: GapPair
 
@@ -57,7 +57,7 @@ class GapLinearisation(Linearisation):
         return out
 
     def add_forces(self, multipliers: Floats, normal: Floats, tangential: Floats) -> None:
-        """Weights times multipliers."""
+        """Add weights times multipliers."""
         found, first = self._found, self.pair.first_slot
         slot = first + found.owner[self._row]
         np.add.at(normal, found.node, multipliers[0, slot, None] * found.normal_weight)
@@ -65,11 +65,11 @@ class GapLinearisation(Linearisation):
             np.add.at(tangential, found.node, multipliers[1, slot, None] * found.tangent_weight)
 
     def linearise(self, chosen: Ints, y: Floats) -> ContactDerivatives:
-        """By derivatives of the weights."""
+        """Build derivatives from the derivatives of the weights."""
         y_n, y_t = parts_of(y, self.pair)
         found, changes, row = self._found, self._changes(), self._row
         entry, value = changes.entry, changes.value
-        # weights sum to zero, and their changes: distances within a condition err less than positions
+        # weights sum to zero, and so do their changes: distances within a constraint err less than positions
         first = found.start[:-1][row]
         apart = (self.position[found.node] - self.position[found.node[first]])[entry]
         of, pick = row[entry], self._picked(chosen)
@@ -83,17 +83,17 @@ class GapLinearisation(Linearisation):
         began = (self.start[found.node] - self.start[found.node[first]])[entry]
         share = _dot(now[entry], turned(value))
         slid = share * (_dot(now[entry], apart) - _dot(before[entry], began))
-        # what a turning tangent adds, where it is not that of the weights' own change
+        # contribution of a turning tangent, if it differs from the change of the weights
         across = _dot(turned(value), apart) - share * _dot(now[entry], apart)
         tangent = self._weights(found.tangent_weight)
         slip = tangent + self._matrix(of, changes.moved, slid + across, len(found.owner))
         return ContactDerivatives(pick @ normal, pick @ tangent, pick @ gap, pick @ slip, self._forces(changes, change))
 
     def tangents(self, chosen: Ints) -> Any:
-        """Weights of friction."""
+        """Return weights of friction."""
         return self._picked(chosen) @ self._weights(self._found.tangent_weight)
 
-    # --- what belongs to the conditions of the last evaluation ------------------------------------
+    # --- data of the last evaluation ------------------------------------
 
     @property
     def _found(self) -> GapConditions:
@@ -102,12 +102,12 @@ class GapLinearisation(Linearisation):
 
     @property
     def _row(self) -> Ints:
-        """The condition (z,) of each entry."""
+        """The constraint (z,) of each entry."""
         start = self._found.start
         return np.repeat(np.arange(len(start) - 1), np.diff(start))
 
     def _directions(self) -> tuple[Floats, Floats]:
-        """Tangents (z, 2) of each entry's condition now, and at the start of the step."""
+        """Return tangents (z, 2) of each entry's constraint now, and at the start of the step."""
         assert self.pair.sliding is not None
         owner = self._found.owner[self._row]
         return turned(self.pair.normals)[owner], turned(self.pair.sliding.before)[owner]
@@ -124,7 +124,7 @@ class GapLinearisation(Linearisation):
     # --- sparse matrices --------------------------------------------------------------------------
 
     def _picked(self, chosen: Ints) -> Any:
-        """(c, conditions): picks those of the chosen slots; a slot without a condition has an empty row."""
+        """Return (c, constraints), which picks the chosen slots; a slot without a constraint has an empty row."""
         place = np.full(self.pair.slots, -1)
         place[self._found.owner] = np.arange(len(self._found.owner))
         row = np.flatnonzero(place[chosen] >= 0)
@@ -150,7 +150,7 @@ def _dot(one: Floats, other: Floats) -> Floats:
 
 
 def _refuse_wrong(given: Any, entries: int, coordinates: int, part: str) -> None:
-    """Raise WrongAnswer naming what of a part's derivatives is not as the contract says."""
+    """Raise WrongAnswer with the entry of a plugin component's derivatives that breaks the contract."""
     if not isinstance(given, ConditionDerivatives):
         raise WrongAnswer(
             f"{part}: derivatives gave {type(given).__name__}, needed: ConditionDerivatives, or None for differences"
@@ -170,7 +170,7 @@ def _refuse_wrong(given: Any, entries: int, coordinates: int, part: str) -> None
 
 
 class CornerLinearisation(GapLinearisation):
-    """Derivatives at corners of the master in closed form: weights as segments turn and as corners slide on them."""
+    """Derivatives at corners of the master in closed form: segments turn, and corners slide on them."""
 
     pair: CornerPair
 

@@ -1,4 +1,4 @@
-"""One contact pair whose algorithm gives finished gap conditions."""
+"""A contact pair whose algorithm gives finished gap constraints."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from contactlab.kernels.contact.search import take
 class GapPair(ContactPair):
     """A slave and a master surface under one `GapAlgorithm`.
 
-    found     conditions of the last `update`, made_at (N, 2) [mm] where they were made
-    of_slave  (N,) whether a node is the slave's
+    found     constraints of the last `update`, made_at (N, 2) [mm] their positions
+    of_slave  (N,) True for nodes of the slave
     """
 
     def __init__(
@@ -42,13 +42,13 @@ class GapPair(ContactPair):
         self.found: GapConditions | None = None
 
     def calls_per_step(self) -> dict[str, int]:
-        """Conditions once, and at the start of the step once more with friction."""
+        """Count constraints once, and twice with friction, for the start of the step."""
         return {"contact conditions": 1 + int(self.friction is not None)}
 
-    # --- from positions to conditions -----------------------------------------------------------
+    # --- from positions to constraints -----------------------------------------------------------
 
     def update(self, positions: Floats, memory: Floats) -> None:
-        """Ask for the conditions at `positions` (N, 2), and measure their gaps there."""
+        """Compute the constraints at `positions` (N, 2), and measure their gaps there."""
         take(positions, self.slave.nodes, self.at.slave)
         take(positions, self.master.nodes, self.at.master)
         tributary_lengths(self.at.slave, self.slave.segments, self.slave.node_segments, self.full)
@@ -70,16 +70,16 @@ class GapPair(ContactPair):
         self.compute_gaps(positions)
 
     def update_pushed(self, predicted: Floats, compliance: Floats, force: Floats, memory: Floats) -> None:
-        """`update` at predicted + compliance * force, all (N, 2), and gaps at `predicted`."""
+        """Call `update` at predicted + compliance * force, all (N, 2), and measure gaps at `predicted`."""
         self.update(predicted + compliance * force, memory)
         self.compute_gaps(predicted)
 
     def ask(self, view: ContactView) -> GapConditions:
-        """What the algorithm says to a view, with tangent weights where friction is declared."""
+        """Return the algorithm's constraints for a view, with tangent weights if the contact has friction."""
         return self.algorithm.conditions(view, tangent=self.friction is not None)
 
     def gaps_at(self, positions: Floats) -> Floats:
-        """Gaps (k, 2) at `positions` with the weights of the last `update`, in an array of their own."""
+        """Return gaps (k, 2) at `positions` with the weights of the last `update`, in a new array."""
         assert self.found is not None
         found, gaps = self.found, self.gaps.copy()
         moved = positions[found.node] - self.made_at[found.node]
@@ -90,21 +90,21 @@ class GapPair(ContactPair):
         return gaps
 
     def compute_start_normals(self, positions: Floats, memory: Floats) -> None:
-        """Normals at `positions`, where the step starts (friction only); unchanged where there were none."""
+        """Compute normals at `positions`, the start of the step (friction only); unchanged if there are none."""
         assert self.sliding is not None
         found = self.ask(self._start(positions, memory)._replace(memory=memory.copy()))
         self.sliding.before[:] = self.normals
         self.sliding.before[found.owner] = self._directions(found)
 
     def _directions(self, found: GapConditions) -> Floats:
-        """Unit vectors (k, 2): what each condition pushes its slave with."""
+        """Return unit vectors (k, 2) of the force on the slave in each constraint."""
         if not len(found.gap):
             return np.zeros((0, 2))
         own = np.where(self.of_slave[found.node, None], found.normal_weight, 0.0)
         total = np.add.reduceat(own, found.start[:-1], axis=0)
         return np.asarray(total / np.hypot(total[:, 0], total[:, 1])[:, None])
 
-    # --- from conditions to rows ----------------------------------------------------------------
+    # --- from constraints to rows ----------------------------------------------------------------
 
     def append_rows(self, out: Rows, entries: int, margin: float, multipliers: Floats, current: Floats) -> int:
         """Append rows with a gap below `margin` [mm] or a force to `out`."""
@@ -134,19 +134,19 @@ class GapPair(ContactPair):
     # --- from multipliers to pressures ----------------------------------------------------------
 
     def tractions(self, forces: Floats) -> Floats:
-        """Lambda (k,) [MPa] from nodal forces y (k,) [N]: force per length that the condition stands for."""
+        """Return Lambda (k,) [MPa] of nodal forces y (k,) [N]: force per length of the constraint."""
         return np.divide(forces, self.cover, out=np.zeros_like(forces), where=self.cover > 0.0)
 
 
 def _per_row(found: GapConditions, weight: Floats, vectors: Floats) -> Floats:
-    """Sum over each row of weight . vector (z, 2)."""
+    """Return the sum over each row of weight . vector (z, 2)."""
     if not len(found.gap):
         return np.zeros(0)
     return np.asarray(np.add.reduceat(np.einsum("zi,zi->z", weight, vectors), found.start[:-1]))
 
 
 def _doubtful(found: Any) -> bool:
-    """Whether conditions of a later step have to be looked at more closely: cheap signs of what is wrong."""
+    """Return whether constraints of a later step need a full check: cheap signs of errors."""
     if type(found) is not GapConditions:
         return True
     k, z = len(found.gap), len(found.node)
@@ -156,7 +156,7 @@ def _doubtful(found: Any) -> bool:
 
 
 def refuse_wrong(found: Any, slave_nodes: int, nodes: int, tangent: bool, part: str) -> None:
-    """Raise WrongAnswer naming what of the gap conditions of a part is not as the contract says."""
+    """Raise WrongAnswer with the part of a plugin component's gap constraints that breaks the contract."""
     if not isinstance(found, GapConditions):
         raise WrongAnswer(f"{part}: conditions gave {type(found).__name__}, needed: GapConditions")
     k, z = len(found.gap), len(found.node)

@@ -31,7 +31,7 @@ NORMALS = 6  # room for derivatives of normals, for each multiplier
 
 
 class PairGradients:
-    """The derivatives of one pair's pieces and normals, and the rows that follow."""
+    """The derivatives of a pair's integration segments and normals, and the rows that follow."""
 
     def __init__(self, pair: OperatorPair) -> None:
         self.pair = pair
@@ -48,7 +48,7 @@ class PairGradients:
     def append_rows(self, out: Rows, entries: int, margin: float, multipliers: Floats, memory: Floats) -> int:
         """Append rows with a gap below `margin` [mm] or a force to `out`, gaps as they are now, no slips yet.
 
-        Returns the next free entry, or -1 where `out` is too small.
+        Returns the next free entry, or -1 if `out` is too small.
         """
         pair, found = self.pair, self.found(memory)
         if found is not self.bound_of:
@@ -71,7 +71,7 @@ class PairGradients:
         return pair.corners.take_rows(out, first, int(end)) if pair.corners is not None else int(end)
 
     def found(self, memory: Floats) -> GapGradients:
-        """Derivatives of the last update: those that the algorithm gives, or what its derivatives lead to."""
+        """Return derivatives of the last update, given by the algorithm or built from its derivatives."""
         pair = self.pair
         if not pair.algorithm.gradient_nodes:
             return self._from_derivatives(memory)
@@ -105,10 +105,10 @@ class PairGradients:
 
 
 class PairEnds:
-    """Where the pieces of a pair begin and end on both segments, and room for what follows from it.
+    """Overlap ends of a pair's integration segments on both sides, and scratch arrays.
 
     number  (N,) numbers of global nodes, shared by all pairs of a model
-    nodes   how many nodes all of them touch at most
+    nodes   largest number of nodes that the constraints touch
     """
 
     def __init__(self, pair: OperatorPair, number: Ints, nodes: int) -> None:
@@ -126,7 +126,7 @@ class PairEnds:
         )  # fmt: skip
 
     def found(self, memory: Floats) -> bool:
-        """Fill `feet` for the pieces of the last update; False where the algorithm cannot tell them."""
+        """Fill `feet` for the integration segments of the last update; False if the algorithm does not give them."""
         pair = self.pair
         if pair.count > len(self.feet):
             self._bind(len(pair.pieces.slave))
@@ -134,7 +134,7 @@ class PairEnds:
 
 
 def with_ends(pairs: Sequence[ContactPair]) -> list[OperatorPair]:
-    """All the pairs, where their rows can be told by the ends of pieces: straight edges, and nothing that rubs."""
+    """Return all pairs if overlap ends give their rows (straight edges, no friction), else an empty list."""
     return [
         pair
         for pair in pairs
@@ -146,7 +146,7 @@ def with_ends(pairs: Sequence[ContactPair]) -> list[OperatorPair]:
 
 
 class ModelGradients:
-    """The factored rows of a model's pairs, made anew in every step; `contactlab.contact.explicit_system.Reduced`."""
+    """The factored rows of a model's pairs, rebuilt in every step; `contactlab.contact.explicit_system.Reduced`."""
 
     def __init__(self, pairs: Sequence[OperatorPair], enforcement: ExplicitEnforcement, state: State) -> None:
         self.enforcement, self.state = enforcement, state
@@ -167,7 +167,7 @@ class ModelGradients:
         return FactoredGradients.allocate(sum(ends.pair.slots for ends in self.ends), entries, self.touched)
 
     def assemble(self, current: Floats, predicted: Floats) -> bool:
-        """Rows of all pairs as they were last updated; False where an algorithm cannot tell where its pieces end."""
+        """Make the rows of all pairs as last updated; False if an algorithm does not give its overlap ends."""
         self.factors.count = 0
         for ends, memory in zip(self.ends, self.memories, strict=True):
             if not ends.found(memory):
@@ -202,9 +202,9 @@ class ModelGradients:
 def push_facets(
     pair: ContactPair, rows: Rows | FactoredRows, state: State, first: int = 0, offset: Floats | None = None
 ) -> None:
-    """Let weak overlaps of the start be pushed out by what comes to count of them: rows hold u + d, two steps.
+    """Push weak initial overlaps out as their share grows: rows hold u + d, two steps.
 
-    Rows from `first` on may be of the pair; `offset` (k,) [mm] is what gaps at the end have beside those of the rows.
+    `first` may be the first row of the pair; `offset` (k,) [mm] is added to the gaps of the rows at the end.
     """
     time, dt, facets = state.time, state.last_dt, pair.start_gaps
     if not isinstance(facets, FacetOverlap) or (pushed := facets.pushed(max(0.0, time - dt), time + dt)) is None:

@@ -1,7 +1,7 @@
-"""Two half passes: each side is the slave in a pass of its own, and takes the forces of that pass alone.
+"""Two half passes: each side is the slave in a pass of its own, whose forces act on this side alone.
 
-Sauer & De Lorenzis 2013. A pass with exchanged sides stands next to that of the contact. The tractions of both agree
-as far as the meshes resolve them; nothing asks for it.
+Sauer & De Lorenzis 2013. The contact's own pass is paired with a pass with exchanged sides. The tractions of both
+agree as far as the meshes resolve them; nothing enforces it.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ from contactlab.contact.pressure_system import PressureContactSystem
 from contactlab.kernels.contact.rows import tangential_work
 from contactlab.kernels.contact.rub import start_slips
 
-TRACE = 1e-150  # stands for zero in matrices: the solver wants patterns that are symmetric, and sums drop zeros
-TOUCH = 1e-6  # segments: so shallow an overlap has the slope with which surfaces touch
+TRACE = 1e-150  # stands for zero in matrices: the solver needs symmetric patterns, and sums drop zeros
+TOUCH = 1e-6  # segments: this small an overlap has the slope at first contact
 
 
 class HalfPassLinearisation(PairLinearisation):
@@ -49,7 +49,7 @@ class HalfPassLinearisation(PairLinearisation):
         self.given = np.zeros((2, nodes, 2))
 
     def linearise(self, chosen: Ints, y: Floats) -> ContactDerivatives:
-        """As of a whole pass; forces on the master are left out."""
+        """Linearise as in a whole pass, without the forces on the master."""
         found = super().linearise(chosen, y)
         matrix = found.force.tocsr()
         acts = np.repeat(self.own, np.diff(matrix.indptr))
@@ -59,7 +59,7 @@ class HalfPassLinearisation(PairLinearisation):
         return ContactDerivatives(normal, tangent, gap, slip, force.tocsr())
 
     def _acting(self, along: Any, change: Any) -> tuple[Any, Any]:
-        """Directions (c, 2N) on the slave alone, and derivatives; both with the pattern of their sum."""
+        """Return directions (c, 2N) on the slave alone, and derivatives; both with the pattern of their sum."""
         along, change = along.tocsr(), change.tocsr()
         own = csr_array((self.own[along.indices] * along.data, along.indices, along.indptr), along.shape)
         return (own + TRACE * change).tocsr(), (change + TRACE * along).tocsr()
@@ -75,11 +75,11 @@ class HalfPassLinearisation(PairLinearisation):
 
 
 class HalfPassResponse(PressureResponse):
-    """Residuals of pressures, and friction of half passes by springs that are as stiff as the law where surfaces touch.
+    """Residuals of pressures, and half-pass friction by springs with the stiffness of the law at first contact.
 
-    What sticks exactly in both passes would leave the shear of either side undetermined. Other pairs stick exactly.
+    Exact stick in both passes would leave the shear of both sides undetermined. Other pairs stick exactly.
 
-    half  (k,) whether a slot belongs to a half pass
+    half  (k,) True if a slot belongs to a half pass
     """
 
     def __init__(self, law: NormalLaw, stiffness: Floats, passes: tuple[ContactPair, ...]) -> None:
@@ -87,7 +87,7 @@ class HalfPassResponse(PressureResponse):
         self.half = np.concatenate([np.full(pair.slots, pair.half) for pair in passes])
 
     def rub(self, c: Conditions, out: Response) -> None:
-        """Springs from the force at the start of the step, within the bound."""
+        """Apply springs from the force at the start of the step, within the bound."""
         shear = c.measure * shear_stiffness(self.law, self.stiffness, c.size)
         softness = np.divide(1.0, shear, out=np.zeros_like(shear), where=self.half & c.present & (shear > 0.0))
         rub(replace(c, slip=c.slip + softness * (c.force[1] - c.anchor[1])), out)
@@ -95,18 +95,18 @@ class HalfPassResponse(PressureResponse):
 
 
 class HalfPassSystem(ImplicitContactSystem):
-    """Pairs of which some are half passes: friction is booked by both, half from each."""
+    """Pairs with some half passes: both passes book friction, half each."""
 
     def directions(self, chosen: Ints) -> tuple[Any, Any]:
-        """Nothing along which motion would be stopped: impulses on one side alone would change momentum."""
+        """Return no directions for impulses: impulses on one side alone would change momentum."""
         none = csr_array((len(chosen), self.start.size))
         return none, none if self.friction else None
 
 
 class HalfPassContactSystem(PressureContactSystem):
-    """As `PressureContactSystem`; rows of half passes act on their slave alone, with friction by springs.
+    """`PressureContactSystem` with rows of half passes that act on their slave alone, with friction by springs.
 
-    made  rows of all passes; after a step `rows` counts those that reports show
+    made  rows of all passes; after a step `rows` counts the rows in reports
     """
 
     def __init__(
@@ -138,7 +138,7 @@ class HalfPassContactSystem(PressureContactSystem):
         return done
 
     def _show(self) -> None:
-        """Leave the rows of the contacts of the scene: those of second passes are behind them."""
+        """Keep the rows of the contacts of the scene: rows of second passes are behind them."""
         self.rows.count = int(np.count_nonzero(self.rows.slot[: self.made] < self.visible))
 
     def _push(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> tuple[int, float]:
@@ -154,19 +154,19 @@ class HalfPassContactSystem(PressureContactSystem):
         tangent = rows.tangent_weight[:end].copy()
         kept = np.where(left[:, None], 0.0, tangent)
         np.add.at(force, rows.node[:end], kept * shear[of_entry, None])
-        # nothing is left to find of rows that have no weights
+        # rows without weights need no solution
         rows.tangent_weight[:end][half[of_entry]] = 0.0
         done = super()._push(predicted, current, compliance, force)
         self.multipliers[1, slot[half]] = shear[half]
         rows.tangent_weight[:end] = kept
-        # slips are those of both sides
+        # slips belong to both sides
         unseen = ((tangent - kept) * (predicted - current + compliance * force)[rows.node[:end]]).sum(axis=1)
         seen = (kept * (predicted - current)[rows.node[:end]]).sum(axis=1)
         rows.slip[: rows.count][half] = np.bincount(of_entry, seen + unseen, rows.count)[half]
         return done
 
     def _springs(self, current: Floats, half: Flags) -> Floats:
-        """Tangential forces (count,) [N] of springs after the slip that led here; 0 in rows that are no half passes."""
+        """Return tangential forces (count,) [N] of springs after the slip of the step; 0 in rows of other passes."""
         rows, count = self.rows, self.rows.count
         slot = rows.slot[:count]
         start_slips(count, rows.packed.address, current - self.state.last_dt * self.velocity, current)
@@ -177,7 +177,7 @@ class HalfPassContactSystem(PressureContactSystem):
         return np.where(half, np.clip(wish, -limit, limit), 0.0)
 
     def friction_work(self, mean_velocity: Floats, dt: float, compliance: Floats, force: Floats) -> tuple[float, float]:
-        """Work and dissipation of the tangential forces; see `contactlab.api.ContactEquations`."""
+        """Return work and dissipation of the tangential forces; see `contactlab.api.ContactEquations`."""
         if not self.friction:
             return 0.0, 0.0
         self.rows.count = self.made
@@ -189,7 +189,7 @@ class HalfPassContactSystem(PressureContactSystem):
 
     @property
     def stiffened(self) -> bool:
-        """Whether a slope of the last step is steeper than `rates` allowed for."""
+        """True if a slope of the last step is steeper than `rates` allowed for."""
         self.rows.count = self.made
         found = super().stiffened
         self._show()
@@ -197,7 +197,7 @@ class HalfPassContactSystem(PressureContactSystem):
 
 
 def shear_stiffness(law: NormalLaw, stiffness: Floats, size: Floats) -> Floats:
-    """Shear per slip (k,) [MPa/mm]: what the pressure grows by, per overlap, where surfaces touch."""
+    """Return shear per slip (k,) [MPa/mm]: the slope of the pressure per overlap at first contact."""
     depth = TOUCH * np.where(size > 0.0, size, 1.0)
     pressure, slope = np.zeros_like(depth), np.zeros_like(depth)
     law.pressure(np.minimum(-depth, law.begins()), stiffness, size, pressure, slope)

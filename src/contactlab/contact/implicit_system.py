@@ -1,4 +1,4 @@
-"""All contact pairs of a model for implicit integrators: trial conditions and their derivatives."""
+"""All contact pairs of a model for implicit integrators: trial constraints and their derivatives."""
 
 from __future__ import annotations
 
@@ -26,23 +26,23 @@ if TYPE_CHECKING:
     from contactlab.contact.pressure_response import PressureStore
     from contactlab.contact.step_rows import StepRows
 
-HELD = 0.1  # flexibility along the surface over that of the node: chains end with the normal of half a facet's turn
-SAME = 1e-3  # segment lengths along the surface: meshes of both sides begin at one cut, but for round-off and strains
+HELD = 0.1  # flexibility along the surface over nodal flexibility: chains end with the normal of half a facet's turn
+SAME = 1e-3  # segment lengths along the surface: both meshes begin at the same cut, up to round-off and strain
 STILL = 1e-9  # segment lengths: supports that move both sides together
-ROUND_OFF = 1e-9  # of a bound: a force so near to it slides
-SETTLED = 1e-5  # of the largest bound: what bounds that follow slips may still change by
+ROUND_OFF = 1e-9  # of a bound: a force this near slides
+SETTLED = 1e-5  # of the largest bound: tolerance of bounds that follow slips
 
 
 class ImplicitContactSystem:
     """All contact pairs and their enforcement. Implements `contactlab.api.ImplicitContact`.
 
-    passes        all pairs; `pairs` are those that reports show (see `ContactPair.second`)
-    follows_gaps  whether normal forces act along the derivatives of the gaps
-    consistent    whether they do so in steps of a motion, which holds gaps by rows that are those of the whole step
-    potentials    pairs whose forces come from an energy; `linear` are the others, which set conditions
-    pace          how far multipliers that were merged at the start of a step come free in it: 1, at once, or less in
-                  load steps that had to be cut (forces jump where one comes free: no shorter step would help otherwise)
-    freedom       (k,) how free the model's multipliers were in the last accepted step, from 0 (merged) to 1
+    passes        all pairs; `pairs` are the pairs in reports (see `ContactPair.second`)
+    follows_gaps  True if normal forces act along the derivatives of the gaps
+    consistent    True if they do so in dynamic steps, which hold gaps by rows that belong to the whole step
+    potentials    pairs whose forces come from an energy; `linear` are the others, which set constraints
+    pace          release fraction of multipliers merged at the start of a step: 1, or less in
+                  load steps that had to be cut (forces jump on release: a shorter step alone would not help)
+    freedom       (k,) release of the model's multipliers in the last accepted step, from 0 (merged) to 1
     """
 
     def __init__(
@@ -53,7 +53,7 @@ class ImplicitContactSystem:
         time: Floats,
         follows_gaps: bool,
     ) -> None:
-        """`time` (1,) [s] is filled with that at which conditions hold: pairs that follow it look there."""
+        """Fill `time` (1,) [s] with the time at which constraints hold; pairs that depend on time read it."""
         self.pairs, self.passes = shown(pairs), pairs
         self.enforcement, self.state, self.time = enforcement, state, time
         self.friction = any(pair.friction is not None for pair in pairs)
@@ -62,7 +62,7 @@ class ImplicitContactSystem:
         for pair in self.potentials:
             if pair.friction is not None:
                 pair.kept = state[f"friction.{pair.name}"]
-        # statics have no start of a step that anything would have to hold to
+        # in statics nothing has to match the start of a step
         self.follows_gaps, self.consistent = follows_gaps, follows_gaps and "velocity" in state
         self.linear = tuple(
             linearised(pair, nodes, follows_gaps, self.consistent) for pair in pairs if not pair.by_energy
@@ -75,19 +75,19 @@ class ImplicitContactSystem:
         self.flexibility = np.ones((nodes, 2))
         self.multipliers = state["multipliers"]
         self.rows = allocate_rows(self.multipliers.shape[1], 32, self.friction)
-        self.factored = None  # conditions that are never written as `FactoredRows`
+        self.factored = None  # constraints are never written as `FactoredRows`
         self.seconds = 0.0
         self.store: PressureStore | None = None  # of a normal law
         self.varying = varying(pairs, state)
 
     @property
     def stored_since_start(self) -> float:
-        """Energy [mJ] that surfaces hold beyond that of the start; none without a normal law or a potential."""
+        """Energy [mJ] stored in surfaces beyond their energy at the start; zero without normal law and potential."""
         held = self.store.since_start() if self.store is not None else 0.0
         return held + sum(pair.stored_since_start() for pair in self.potentials)
 
     def calls_per_step(self) -> Counter[str]:
-        """How often an iteration calls the algorithms, by what they are asked for."""
+        """Return how many calls of each method of the algorithms an iteration makes."""
         return sum((Counter(pair.calls_per_step()) for pair in self.passes), Counter())
 
     def _memory(self, pair: ContactPair) -> Floats:
@@ -95,7 +95,7 @@ class ImplicitContactSystem:
         return self.state[name] if name in self.state else np.zeros((0, len(pair.slave.nodes)))
 
     def begin_step(self, position: Floats, time: float) -> None:
-        """A step that ends at `time` [s] starts at `position` (N, 2), with what the state remembers."""
+        """Begin a step that ends at `time` [s] from `position` (N, 2), with the memory of the state."""
         self.start[:] = position
         self.time[0] = time
         for linear in self.linear:
@@ -103,7 +103,7 @@ class ImplicitContactSystem:
             linear.pair.evaluated = False
         for potential in self.potentials:
             potential.begin_step(position)
-            # what the last step wrote for reports is no force of a condition
+            # forces that the last step wrote for reports belong to no constraint
             self.conditions.force[:, potential.own] = 0.0
         for pair, sliding in self.varying:
             sliding.begin_step(pair, time, time - self.state.time)
@@ -122,7 +122,7 @@ class ImplicitContactSystem:
         self.started[:] = self.conditions.force
 
     def _release(self, time: float) -> None:
-        """Free multipliers, at once or by and by: what one comes free by changes gaps and forces at once."""
+        """Free multipliers, in full or in part: a release changes gaps and forces immediately."""
         if self.pace >= 1.0:
             for coupling, _ in self._couplings():
                 coupling.let_go()
@@ -134,23 +134,23 @@ class ImplicitContactSystem:
             coupling.hold(self._freed(coupling, freedom))
 
     def _evaluate_start(self, time: float) -> None:
-        """Fill `conditions` where and when a step starts that ends at `time` [s]."""
+        """Fill `conditions` at the start of a step that ends at `time` [s]."""
         self.time[0] = self.state.time
         self.evaluate(self.start)
         self.time[0] = time
 
     def _couplings(self) -> Iterator[tuple[Coupling, Floats]]:
-        """Those of the pairs that have one, and how free their multipliers were in the last accepted step."""
+        """Yield the couplings of the pairs, and the release of their multipliers in the last accepted step."""
         for pair in self.passes:
             if isinstance(pair, OperatorPair):
                 yield pair.coupling, self.freedom[pair.own]
 
     def _freed(self, coupling: Coupling, freedom: Floats) -> Floats:
-        """How free multipliers are after a step that frees them at `pace`: (k,), 0 where they are merged."""
+        """Return the release (k,) of multipliers after a step that frees them at `pace`, 0 if they are merged."""
         return np.where(coupling.free, np.minimum(freedom + self.pace, 1.0), 0.0)
 
     def accept(self) -> None:
-        """What the last evaluation remembers becomes part of the state."""
+        """Move the memory of the last evaluation into the state."""
         for linear in self.linear:
             self._memory(linear.pair)[:] = linear.memory
             linear.pair.evaluated = True
@@ -166,7 +166,7 @@ class ImplicitContactSystem:
         self._write_rows()
 
     def _write_rows(self) -> None:
-        """Rows of the conditions that bear forces, as the scalars of every step want them."""
+        """Write rows of the constraints that bear forces, as the scalars of every step need them."""
         while True:
             self.rows.count = entries = 0
             for pair in self.pairs:
@@ -190,7 +190,7 @@ class ImplicitContactSystem:
             linear.evaluate(position, self.start)
             examine_pair(pair)
             flexibility = linear.flexibilities(self.flexibility)
-            # without flexibility both sides are held: there is nothing that a force could do
+            # without flexibility both sides are held: no force can change anything
             c.present[own] = linear.present & (flexibility > 0.0)
             c.stiffness[own] = np.divide(1.0, flexibility, out=np.full(pair.slots, np.inf), where=flexibility > 0.0)
             c.gap[own], c.measure[own], c.size[own] = linear.gap, pair.cover, pair.full
@@ -210,7 +210,7 @@ class ImplicitContactSystem:
         bound[:, held_together(pair, self.flexibility, self.start)] = 0.0
 
     def forces(self, normal: Floats, tangential: Floats) -> None:
-        """Nodal forces of the trial multipliers; see `contactlab.api.ImplicitContact`."""
+        """Compute nodal forces of the trial multipliers; see `contactlab.api.ImplicitContact`."""
         normal[:] = 0.0
         tangential[:] = 0.0
         for pair in self.potentials:
@@ -220,27 +220,27 @@ class ImplicitContactSystem:
 
     @property
     def by_energy(self) -> bool:
-        """Whether some forces come from potentials; see `contactlab.api.ImplicitContact`."""
+        """True if some forces come from potentials; see `contactlab.api.ImplicitContact`."""
         return bool(self.potentials)
 
     @property
     def acts(self) -> bool:
-        """Whether there are nodal forces without any choice of conditions; see `contactlab.api.ImplicitContact`."""
+        """True if nodal forces exist without any choice of constraints; see `contactlab.api.ImplicitContact`."""
         return self.by_energy or bool(self.conditions.force.any())
 
     def free_share(self, position: Floats, motion: Floats, depth: float) -> float:
-        """How much of a motion no surface passes through; see `contactlab.api.ImplicitContact`."""
+        """Return the share of a motion without passage of surfaces; see `contactlab.api.ImplicitContact`."""
         passage = first_passage((linear.pair for linear in self.linear), position, position + motion, depth)
         allowed = (pair.free_share(position, motion) for pair in self.potentials)
         return min(1.0 if passage is None else passage.share, *allowed, 1.0)
 
     def settled(self) -> bool:
-        """Whether friction belongs to the end of the step; see `contactlab.api.ImplicitContact`."""
+        """True if friction belongs to the end of the step; see `contactlab.api.ImplicitContact`."""
         taken = sum(pair.take_over() for pair in self.potentials)
         return self._bounds_follow() and taken == 0
 
     def _bounds_follow(self) -> bool:
-        """Whether bounds that vary belong to the slips of this step; if not, they do from now on."""
+        """True if bounds that vary fit the slips of this step; otherwise, update them."""
         c, follow = self.conditions, True
         for pair, sliding in self.varying:
             slip, force = c.slip[pair.own], c.force[:, pair.own]
@@ -251,21 +251,21 @@ class ImplicitContactSystem:
         return follow
 
     def dissipation(self) -> float:
-        """Energy [mJ] that friction takes in the step; see `contactlab.api.ImplicitContact`."""
+        """Return the energy [mJ] dissipated by friction in the step; see `contactlab.api.ImplicitContact`."""
         return self._rubbed(self.conditions.force[-1]) + sum(pair.dissipation() for pair in self.potentials)
 
     def _rubbed(self, shear: Floats) -> float:
-        """Energy [mJ] that tangential forces (k,) [N] take over the slips of the step; half from each of two passes."""
+        """Return the energy [mJ] that tangential forces (k,) [N] dissipate over the slips; two passes count half."""
         if not self.friction:
             return 0.0
         work = np.where(self.conditions.present, shear * self.conditions.slip, 0.0)
         return -sum(pair.share * float(work[pair.own].sum()) for pair in self.passes)
 
     def friction_along_the_way(self) -> tuple[float, float]:
-        """Energy [mJ] that friction takes in a load step; the excess over the work of the mean of both ends' forces.
+        """Return friction energy [mJ] of a load step, and its excess over the work of the mean of both ends' forces.
 
-        Surfaces that begin to slide or turn back within the step slide at the bound from there on: at the lower one of
-        both ends, or at the force of the start where that lies between the bounds.
+        Surfaces that begin to slide or reverse within the step slide at the bound from there on: at the lower bound of
+        both ends, or at the initial force if it lies between the bounds.
         """
         potentials = sum(pair.dissipation() for pair in self.potentials)
         if not self.friction:
@@ -279,11 +279,11 @@ class ImplicitContactSystem:
         return taken + potentials, taken - self._rubbed(0.5 * (shear + c.force[1]))
 
     def scale(self, flexibility: Floats) -> None:
-        """Nodal flexibilities from which contact stiffnesses follow."""
+        """Set nodal flexibilities, which determine contact stiffnesses."""
         self.flexibility[:] = flexibility
 
     def linearise(self, chosen: Ints) -> ContactDerivatives:
-        """Derivatives of the chosen slots; see `contactlab.api.ImplicitContact`."""
+        """Return derivatives of the chosen slots; see `contactlab.api.ImplicitContact`."""
         began, force, size = perf_counter(), self.conditions.force, 2 * len(self.start)
         none = csr_array((0, size))
         parts = [ContactDerivatives(none, None, none, None, csr_array((size, size)))] if not self.linear else []
@@ -306,7 +306,7 @@ class ImplicitContactSystem:
         return ContactDerivatives(normal, tangent, gap, slip, total)
 
     def directions(self, chosen: Ints) -> tuple[Any, Any]:
-        """Directions of impulses; see `contactlab.api.ImplicitContact`."""
+        """Return directions of impulses; see `contactlab.api.ImplicitContact`."""
         if not self.consistent:
             found = self.linearise(chosen)
             return found.normal, found.tangent
@@ -317,7 +317,7 @@ class ImplicitContactSystem:
 
 
 def _within(own: slice, chosen: Ints) -> Ints:
-    """Those of the chosen slots that are a pair's `own`, counted from its first."""
+    """Return the chosen slots in a pair's slice `own`, counted from its first."""
     return np.asarray(chosen[(chosen >= own.start) & (chosen < own.stop)] - own.start, np.int32)
 
 
@@ -345,13 +345,13 @@ def _conditions(pairs: tuple[ContactPair, ...], multipliers: Floats, friction: b
 
 
 def held_together(pair: ContactPair, flexibility: Floats, start: Floats) -> Flags:
-    """Multipliers (k,) of slave nodes that supports hold along the surface with the master beneath, as in symmetry.
+    """Return multipliers (k,) of slave nodes held by supports together with the master beneath, as in symmetry.
 
-    They cannot slide on each other whatever friction does: to stick is one condition too many, and its force is one
-    that nothing determines. Friction passes nothing there; what holds the nodes is up to the supports.
+    They cannot slide on each other whatever friction does: a stick constraint would be redundant, and its force
+    undetermined. Friction passes nothing there; the supports hold the nodes.
 
-    flexibility  (N, 2) [mm/N] of single nodes, 0 where they are held
-    start        (N, 2) [mm] positions at the start of the step: what supports move against each other slides
+    flexibility  (N, 2) [mm/N] of single nodes, 0 if they are held
+    start        (N, 2) [mm] positions at the start of the step: nodes that supports move relative to each other slide
     """
     out = np.zeros(pair.slots, np.bool_)
     slave, master = pair.slave.nodes, pair.master.nodes

@@ -1,7 +1,7 @@
-"""How gaps, slips and nodal forces of one contact pair change with the positions of its nodes.
+"""Derivatives of the gaps, slips and nodal forces of one contact pair by the positions of its nodes.
 
 With tractions a = T^-1 q, nodal forces are D a and -M a; separations are r = T^-T (D^T x - M^T y), gaps
-g = nu . r. Their derivatives need those of D, M, T and nu alone, which are local to a piece:
+g = nu . r. Their derivatives need only those D, M, T and nu, which are local to an integration segment:
 
     d r = P dx + T^-T (dD^T x - dM^T y - dT^T r)            P = T^-T [D^T | -M^T]
     d f = [dD; -dM] a + P^T (dq - dT a)                      q = y_n nu + y_t tau
@@ -27,15 +27,15 @@ from contactlab.kernels.contact.tables import BandedRows
 if TYPE_CHECKING:
     from contactlab.contact.smooth_surfaces import SmoothSurfaces
 
-CUT = 1e-13  # a weight below it moves a gap by less than round-off: linear problems end after one iteration
+CUT = 1e-13  # weights below it move gaps by less than round-off: linear problems end after one iteration
 
 
 class Linearisation(ABC):
     """Gaps, slips and nodal forces of one pair at trial positions, and their derivatives there.
 
-    memory   what the algorithm remembers since the start of the step
-    present  (k,) which multipliers may have a condition
-    gap      (k,) [mm] `FAR` without a condition
+    memory   memory of the algorithm since the start of the step
+    present  (k,) multipliers that may have a constraint
+    gap      (k,) [mm] `FAR` without a constraint
     slip     (k,) [mm] since the last accepted step; (0,) without friction
     size     2N degrees of freedom
     """
@@ -49,18 +49,18 @@ class Linearisation(ABC):
         self.slip = np.zeros(k if pair.friction is not None else 0)
 
     def begin(self, time: float, position: Floats, middle: Floats) -> None:  # noqa: B027 - most need no beginning
-        """A step starts at `time` [s] at `position` (N, 2) and leads by way of `middle`."""
+        """Begin a step at `time` [s] from `position` (N, 2), by way of `middle`."""
 
     @abstractmethod
     def evaluate(self, position: Floats, start: Floats) -> None:
-        """Gaps of the pair, and slips since the positions `start` (N, 2) of the last accepted step."""
+        """Compute gaps of the pair, and slips since the positions `start` (N, 2) of the last accepted step."""
 
     def accept(self) -> None:  # noqa: B027 - nor an end
-        """The step ends where it was evaluated last."""
+        """End the step at its last evaluation."""
 
     @abstractmethod
     def flexibilities(self, nodal: Floats) -> Floats:
-        """Displacement (k,) [mm/N] of each condition per unit of its force, from those of single nodes (N, 2)."""
+        """Return displacement (k,) [mm/N] of each constraint per unit force, from nodal flexibilities (N, 2)."""
 
     @abstractmethod
     def add_forces(self, multipliers: Floats, normal: Floats, tangential: Floats) -> None:
@@ -68,22 +68,22 @@ class Linearisation(ABC):
 
     @abstractmethod
     def linearise(self, chosen: Ints, y: Floats) -> ContactDerivatives:
-        """Derivatives of the `chosen` multipliers (c,) where all have forces y (r, k) [N].
+        """Return derivatives of the `chosen` multipliers (c,) with forces y (r, k) [N] on all.
 
         Without forces, r = 0, `force` is None.
         """
 
     def gap_derivatives(self, chosen: Ints) -> Any:
-        """Derivatives (c, 2N) of the gaps of the chosen multipliers alone."""
+        """Return derivatives (c, 2N) of the gaps of the chosen multipliers alone."""
         return self.linearise(chosen, np.zeros((0, self.pair.slots))).gap
 
     @abstractmethod
     def tangents(self, chosen: Ints) -> Any:
-        """Directions (c, 2N) of the friction of the chosen multipliers."""
+        """Return friction directions (c, 2N) of the chosen multipliers."""
 
 
 class PairLinearisation(Linearisation):
-    """Of a pair whose algorithm gives operators, with forces along weights and normals as they are."""
+    """Linearisation of a pair whose algorithm gives operators, with forces along weights and frozen normals."""
 
     pair: OperatorPair
 
@@ -107,7 +107,7 @@ class PairLinearisation(Linearisation):
         np.subtract(pair.gaps[:, 1], self.start_gaps[:, 1], out=self.slip)
 
     def linearise(self, chosen: Ints, y: Floats) -> ContactDerivatives:
-        """Sum derivatives of pieces, spread by T^-T."""
+        """Sum derivatives of integration segments, spread by T^-T."""
         pair, pieces = self.pair, self.derivatives.of(self.memory)
         y_n, y_t = parts_of(y, pair)
         normal, tangent = pair.normals, turned(pair.normals)
@@ -138,7 +138,7 @@ class PairLinearisation(Linearisation):
         )
 
     def tangents(self, chosen: Ints) -> Any:
-        """Weights times tangents."""
+        """Return weights times tangents."""
         return self._rows(chosen, turned(self.pair.normals)) @ self._weights(chosen)
 
     def flexibilities(self, nodal: Floats) -> Floats:
@@ -149,14 +149,14 @@ class PairLinearisation(Linearisation):
         return out
 
     def add_forces(self, multipliers: Floats, normal: Floats, tangential: Floats) -> None:
-        """Weights times multipliers."""
+        """Add weights times multipliers."""
         self.pair.weights()
         rows.add_forces(self.pair.address, multipliers, self.pair.first_slot, normal, tangential)
 
     # --- the pair's own operators -----------------------------------------------------------------
 
     def _tractions(self, y_n: Floats, y_t: Floats | None) -> Floats:
-        """a = T^-1 q (k, 2) of the kept multipliers, zero elsewhere."""
+        """Return a = T^-1 q (k, 2) of the kept multipliers, zero elsewhere."""
         pair, normal = self.pair, self.pair.normals
         q = y_n[:, None] * normal
         if y_t is not None:
@@ -167,7 +167,7 @@ class PairLinearisation(Linearisation):
         return out
 
     def _weights(self, chosen: Ints) -> Any:
-        """Rows 2 k + component of P by all degrees of freedom, for the chosen multipliers."""
+        """Return rows 2 k + component of P by all degrees of freedom, for the chosen multipliers."""
         pair, parts = self.pair, []
         sides, numbered = pair.weights(), (pair.slave.nodes, pair.master.nodes)
         for side, numbers, sign in zip(sides, numbered, (1.0, -1.0), strict=True):
@@ -177,16 +177,16 @@ class PairLinearisation(Linearisation):
         return self._matrix(_both(row), _both(column), np.repeat(value, 2), 2 * pair.slots)
 
     def _along(self, chosen: Ints, direction: Floats, inverse: Any, weights: Any, dweight: Any) -> Any:
-        """direction . (P + T^-T dweight), one row for each chosen multiplier."""
+        """Return direction . (P + T^-T dweight), one row for each chosen multiplier."""
         return self._rows(chosen, direction) @ weights + self._spread(chosen, direction, inverse) @ dweight
 
     def _rows(self, chosen: Ints, vectors: Floats) -> Any:
-        """(c, 2k): row i has the two components of vectors[chosen[i]] at its own place."""
+        """Return (c, 2k): row i has the two components of vectors[chosen[i]] at its own place."""
         start = np.arange(0, 2 * len(chosen) + 1, 2)
         return csr_array((vectors[chosen].ravel(), _both(chosen), start), shape=(len(chosen), 2 * self.pair.slots))
 
     def _spread(self, chosen: Ints, direction: Floats, inverse: tuple[Ints, Ints, Floats]) -> Any:
-        """(c, 2k): direction[chosen[i]] times the row of T^-T."""
+        """Return (c, 2k): direction[chosen[i]] times the row of T^-T."""
         row, column, value = inverse
         place = np.full(self.pair.slots, -1, np.int32)
         place[chosen] = np.arange(len(chosen))
@@ -201,7 +201,7 @@ class PairLinearisation(Linearisation):
         return 2 * numbers[moved // 2] + moved % 2
 
     def _turned_normals(self, pieces: PieceDerivatives, values: Floats) -> Any:
-        """(2k, 2N) of vectors (z, 2) that belong to the derivatives of normals."""
+        """Return (2k, 2N) of vectors (z, 2) that belong to the derivatives of normals."""
         count = pieces.normal_count
         columns = np.repeat(self._columns(pieces.normal_moved[:count]), 2)
         return self._matrix(_both(pieces.normal_of[:count]), columns, values.ravel(), 2 * self.pair.slots)
@@ -219,7 +219,7 @@ class PairLinearisation(Linearisation):
     def _by_curves(
         self, smooth: SmoothSurfaces, chosen: Ints, inverse: Any, pieces: PieceDerivatives, wanted: Floats, dnormal: Any
     ) -> Any:
-        """What smooth surfaces add to the derivatives of gaps: nu . c, c = T^-T C, changes with nu, T and C."""
+        """Return what smooth surfaces add to gap derivatives: nu . c, c = T^-T C, changes with nu, T and C."""
         pair = self.pair
         shift = smooth.shifts(pair.at)
         nowhere = SurfacePositions(*(np.zeros_like(at) for at in pair.at))
@@ -249,10 +249,10 @@ class PairLinearisation(Linearisation):
 
 
 class ConsistentLinearisation(PairLinearisation):
-    """The same with normal forces along the derivatives of the gaps; those of friction stay along weights."""
+    """`PairLinearisation` with normal forces along the derivatives of the gaps; friction stays along weights."""
 
     def add_forces(self, multipliers: Floats, normal: Floats, tangential: Floats) -> None:
-        """Derivatives of gaps times multipliers, weights times those of friction."""
+        """Add derivatives of gaps times multipliers, and weights times friction forces."""
         force = multipliers.copy()
         own = force[0, self.pair.own]
         chosen = np.flatnonzero(own).astype(np.int32)
@@ -262,25 +262,25 @@ class ConsistentLinearisation(PairLinearisation):
         super().add_forces(force, normal, tangential)
 
     def linearise(self, chosen: Ints, y: Floats) -> ContactDerivatives:
-        """How directions change is taken from rows by weights: their own change needs second derivatives."""
+        """Take changes of directions from rows by weights: their own change needs second derivatives."""
         found = super().linearise(chosen, y)
         return found._replace(normal=found.gap)
 
 
 def parts_of(y: Floats, pair: ContactPair) -> tuple[Floats, Floats | None]:
-    """Normal forces (k,) of a pair, zero where none are given, and tangential ones; None without friction."""
+    """Return normal forces (k,) of a pair, zero if not given, and tangential forces; None without friction."""
     return (y[0] if len(y) else np.zeros(pair.slots)), y[1] if len(y) > 1 and pair.friction is not None else None
 
 
 def entries(chosen: Ints, rows: BandedRows, cut: float) -> tuple[Ints, Ints, Floats]:
-    """Entries (row, position, value) of the chosen ones of some rows, those above `cut`."""
+    """Return entries (row, position, value) above `cut` of the chosen rows."""
     out = triplets(int(np.maximum(rows.end[chosen] - rows.start[chosen], 0).sum()))
     count = banded_rows.entries(chosen, rows, cut, *out)
     return _first(out, count)
 
 
 def triplets(size: int) -> tuple[Ints, Ints, Floats]:
-    """Room for so many entries (row, column, value)."""
+    """Allocate that many entries (row, column, value)."""
     return np.zeros(size, np.int32), np.zeros(size, np.int32), np.zeros(size)
 
 
@@ -290,7 +290,7 @@ def _first(triplets: tuple[Ints, Ints, Floats], count: int) -> tuple[Ints, Ints,
 
 
 def _both(numbers: Ints) -> Ints:
-    """2 n and 2 n + 1 of every number, in turn."""
+    """Return 2 n and 2 n + 1 of every number, alternately."""
     both: Ints = np.add.outer(2 * numbers, np.arange(2, dtype=np.int32)).ravel()
     return both
 

@@ -1,4 +1,4 @@
-"""Rows of conditions that have no moment about positions which are known later than the rows themselves."""
+"""Rows of constraints without moment about positions that are known later than the rows."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from scipy.sparse import coo_array, csr_array
 from contactlab.api import Floats, Ints
 from contactlab.api.arrays import Flags
 
-AHEAD = 0.5  # what mean positions follow of those at the end of a step
-PAIRED = 1e-6  # sum of a row over that of its absolute values: differences err by 1e-10, rows of one side alone by 1
+AHEAD = 0.5  # share of the final motion that mean positions follow
+PAIRED = 1e-6  # sum of a row over the sum of its absolute values: differences err by 1e-10, rows of one side alone by 1
 
 
 class MomentFreeRows:
-    """The rows nearest to given ones, in the sum of squares, whose forces have no moment about given positions.
+    """The rows nearest to given rows, in the sum of squares, whose forces have no moment about given positions.
 
     A row of forces g_i on nodes at x_i, whose sum is zero, has the moment m = sum r_i x g_i, r_i = x_i - c, c being the
     mean of the x_i. Without it, by the least change of its entries (Z is a quarter turn),
 
         g'_i = g_i - L Z r_i,    L = m / S,    S = sum |r_i|^2
 
-    and its sum is still zero. As x_i do, g'_i change with the positions that a step leads to. What differences leave of
-    a sum is taken out as well; rows with a sum of their own, which push one side alone, stay as they are.
+    and its sum is still zero. Like x_i, g'_i change with the positions that a step leads to. Errors of differences in
+    a sum are removed as well; rows with a sum of their own, which push one side alone, stay as they are.
 
     given   (c, 2N) rows, CSR
-    beside  (N, N) nodes that take part in the change of a row which has an entry for one of them: those next to it on
-            its surface, as nodes that lie on each other have no arm to turn about
+    beside  (N, N) nodes that take part in the change of a row with an entry for one of them: its neighbours on
+            its surface, as coincident nodes have no arm to turn about
     """
 
     def __init__(self, given: Any, beside: Any) -> None:
@@ -44,7 +44,7 @@ class MomentFreeRows:
         self.count = np.maximum(np.bincount(self.row, minlength=self.shape[0]), 1)
         self.start = np.concatenate([[0], 2 * np.cumsum(np.bincount(self.row, minlength=self.shape[0]))])
         self.column = (2 * self.node[:, None] + np.arange(2)).ravel()
-        # what is left of the sums of rows that push both sides is taken out
+        # remainders of the sums of rows that push both sides are removed
         size = self._sum(np.abs(self.given).sum(axis=1))
         left = np.stack([self._sum(self.given[:, i]) for i in range(2)], axis=1)
         paired: Flags = np.abs(left).max(axis=1, initial=0.0) <= PAIRED * size
@@ -53,7 +53,7 @@ class MomentFreeRows:
         self.about(np.zeros((nodes, 2)))
 
     def about(self, position: Floats) -> None:
-        """Let the moment about `position` (N, 2) vanish."""
+        """Make the moment about `position` (N, 2) vanish."""
         self.arm = self._from_mean(position[self.node])
         self.spread = np.where(self.paired, self._sum((self.arm**2).sum(axis=1)), 0.0)
         moment = self._sum(self.arm[:, 0] * self.given[:, 1] - self.arm[:, 1] * self.given[:, 0])
@@ -61,15 +61,15 @@ class MomentFreeRows:
         self.values = self.given - self.share[self.row, None] * _turned(self.arm)
 
     def rows(self) -> Any:
-        """The rows (c, 2N)."""
+        """Return the rows (c, 2N)."""
         return self._matrix(self.values)
 
     def times(self, motion: Floats) -> Floats:
-        """The rows (c,) times a motion (N, 2)."""
+        """Return the rows (c,) times a motion (N, 2)."""
         return self._sum((self.values * motion[self.node]).sum(axis=1))
 
     def derivatives(self, motion: Floats) -> Any:
-        """Of `times` (c, 2N), as `motion` (N, 2) grows and mean positions follow it."""
+        """Return derivatives of `times` (c, 2N), as `motion` (N, 2) grows and mean positions follow it."""
         of_share = self._of_share()
         moved = motion[self.node]
         turned = self._sum((_turned(self.arm) * moved).sum(axis=1))
@@ -78,21 +78,21 @@ class MomentFreeRows:
         return self._matrix(self.values - turned[self.row, None] * of_share + swept)
 
     def of_forces(self, multipliers: Floats) -> Any:
-        """Derivative (2N, 2N) of the forces of `multipliers` (c,), as mean positions follow the nodes.
+        """Return the derivative (2N, 2N) of the forces of `multipliers` (c,), as mean positions follow the nodes.
 
-        Without that of the arms r, which belongs to the small L.
+        Without the derivative of the arms r, which belongs to the small L.
         """
         arms = self._matrix(-multipliers[self.row, None] * _turned(self.arm))
         return arms.T @ self._matrix(self._of_share())
 
     def _of_share(self) -> Floats:
-        """Derivatives (z, 2) of L: dL = (dm - L dS) / S."""
+        """Return derivatives (z, 2) of L: dL = (dm - L dS) / S."""
         grown = -_turned(self.given) - 2.0 * self.share[self.row, None] * self.arm
         spread = self.spread[self.row, None]
         return AHEAD * np.divide(grown, spread, out=np.zeros_like(grown), where=spread > 0.0)
 
     def _from_mean(self, values: Floats) -> Floats:
-        """Values (z, 2) less their mean in each row."""
+        """Return values (z, 2) less their mean in each row."""
         mean = np.stack([self._sum(values[:, i]) / self.count for i in range(2)], axis=1)
         return values - mean[self.row]
 
@@ -104,12 +104,12 @@ class MomentFreeRows:
 
 
 def _turned(vectors: Floats) -> Floats:
-    """Vectors (z, 2) after a quarter turn from x to y."""
+    """Return vectors (z, 2) after a quarter turn from x to y."""
     return np.stack([-vectors[:, 1], vectors[:, 0]], axis=1)
 
 
 def neighbours(segments: Sequence[Ints], nodes: int) -> Any:
-    """(N, N) nodes that have a segment of some surfaces in common, each (s, a) global node numbers, and nodes alone."""
+    """Return (N, N) nodes with a common segment of some surfaces, each (s, a) global node numbers, and single nodes."""
     parts = [np.repeat(np.arange(nodes)[:, None], 2, axis=1)]
     for surface in segments:
         along = surface.shape[1]

@@ -1,4 +1,4 @@
-"""One contact pair whose algorithm gives operators: search, pieces, coupling, rows, and back to pressures."""
+"""A contact pair whose algorithm gives operators: search, integration segments, coupling, constraints, pressures."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ from contactlab.kernels.contact.tables import BandedRows, BothSides, PairTable
 class OperatorPair(ContactPair):
     """A slave and a master surface under one `ContactAlgorithm`.
 
-    Kernels find its arrays, a `PairTable`, at `address`. Arrays that lack room are exchanged, and all bound again.
+    Kernels find its arrays, a `PairTable`, at `address`. Arrays without room are replaced, and all bound again.
 
-    count       number of pieces of the last `update`
+    count       number of integration segments of the last `update`
     pieces      their arrays, `count` of them in use
-    coupling    the factorised T of the last `update`, columns those of D and M
-    separation  (k, 2) [mm] weighted positions of the slave minus those of the master, where they were last measured
-    corners     corners of the master that it is held at; None without any
-    measured    positions of the nodes of both sides, where gaps are measured
+    coupling    the factorised T of the last `update`; the columns are of D and M
+    separation  (k, 2) [mm] weighted slave positions minus weighted master positions, as last measured
+    corners     corners of the master that hold the pair; None without any
+    measured    positions of the nodes of both sides at which gaps are measured
     """
 
     factored = True
@@ -83,11 +83,11 @@ class OperatorPair(ContactPair):
 
     @property
     def between(self) -> tuple[Ints, Ints, Ints]:
-        """Slave nodes that carry no multiplier, and the carriers that follow and precede each."""
+        """Return slave nodes without multiplier, and the next and previous node with a multiplier for each."""
         return self.coupling.between(len(self.slave.nodes))
 
     def calls_per_step(self) -> dict[str, int]:
-        """Pieces once, normals at the start of the step once with friction."""
+        """Count pieces once, and normals at the start of the step once with friction."""
         return {"contact pieces": 1, "contact normals": int(self.friction is not None)}
 
     # --- from positions to coupling -------------------------------------------------------------
@@ -97,7 +97,7 @@ class OperatorPair(ContactPair):
         self._make(positions, positions, positions, memory, False)
 
     def update_pushed(self, predicted: Floats, compliance: Floats, force: Floats, memory: Floats) -> None:
-        """`update` at predicted + compliance * force, all (N, 2), and gaps at `predicted`."""
+        """Call `update` at predicted + compliance * force, all (N, 2), and measure gaps at `predicted`."""
         self._make(predicted, compliance, force, memory, True)
 
     def _make(self, positions: Floats, compliance: Floats, force: Floats, memory: Floats, pushed: bool) -> None:
@@ -124,7 +124,7 @@ class OperatorPair(ContactPair):
             self.corners.update()
 
     def _join(self) -> None:
-        """Coupling, columns (widened as needed) and gaps of the pieces."""
+        """Compute coupling, columns (widened as needed) and gaps of the integration segments."""
         straight, k = self.slave.edges.shape[1] == 2, self.slots
         while True:
             kept, slave, master = kernels.join(self.address, self.count, straight)
@@ -148,7 +148,7 @@ class OperatorPair(ContactPair):
         self._solved = False
 
     def gaps_at(self, positions: Floats) -> Floats:
-        """Gaps (k, 2) at `positions` with the rows of the last `update`, in an array of their own."""
+        """Return gaps (k, 2) at `positions` with the rows of the last `update`, in a new array."""
         at = SurfacePositions(positions[self.slave.nodes], positions[self.master.nodes])
         separation, gaps = np.zeros((self.slots, 2)), np.zeros((self.slots, 2))
         self.separations(at, self.normals, separation, gaps)
@@ -159,16 +159,16 @@ class OperatorPair(ContactPair):
         return gaps
 
     def separations(self, at: SurfacePositions, normals: Floats, separation: Floats, gaps: Floats) -> None:
-        """Separations (k, 2) and gaps (k, 2) of surfaces at `at`, with the coupling of the last `update`."""
+        """Compute separations (k, 2) and gaps (k, 2) of surfaces at `at`, with the coupling of the last `update`."""
         kernels.compute_gaps_at(self.address, at, normals, separation, gaps)
 
     def compute_start_normals(self, positions: Floats, memory: Floats) -> None:
-        """Normals of the present pieces at `positions`, where the step starts (friction only)."""
+        """Compute normals of the present integration segments at `positions`, the start of the step (friction only)."""
         assert self.sliding is not None
         self.algorithm.normals(self._start(positions, memory), self.pieces, self.count, self.sliding.before)
 
     def find_near(self, slave: Floats, master: Floats) -> Near:
-        """Make the near list anew, for these positions of the surfaces (m, 2)."""
+        """Rebuild the near list for these positions of the surfaces (m, 2)."""
         near = super().find_near(slave, master)
         capacity = self.algorithm.capacity(self.slave, near.candidates)
         if capacity > len(self.pieces.slave):
@@ -180,7 +180,7 @@ class OperatorPair(ContactPair):
     # --- from coupling to rows ------------------------------------------------------------------
 
     def weights(self) -> BothSides:
-        """Weights of both sides' nodes in each condition of the last update, made when they are first asked for."""
+        """Return weights of both sides' nodes in each constraint of the last update, computed on demand."""
         if not self._solved:
             slave, master = self._weights
             if self.coupling.table.single[0]:
@@ -195,7 +195,7 @@ class OperatorPair(ContactPair):
         return self._weights
 
     def append_factored(self, out: FactoredRows) -> bool:
-        """Append all conditions to `out`; False where it is too small."""
+        """Append all constraints to `out`; False if `out` is too small."""
         count = write_factored(self.address, self.first_slot, out.count, out.packed.address)
         if count >= 0:
             out.count = count
@@ -221,11 +221,11 @@ class OperatorPair(ContactPair):
     # --- from multipliers to pressures ----------------------------------------------------------
 
     def tractions(self, forces: Floats) -> Floats:
-        """Lambda (k,) [MPa] from nodal forces y (k,) [N]: T^-1 y, the owner's value where merged, 0 off cover."""
+        """Return Lambda (k,) [MPa] = T^-1 y of nodal forces (k,) [N]: owner's value if merged, 0 without overlap."""
         return self.coupling.solve(forces)
 
     def snapshot(self, state: State, position: Floats) -> ContactSnapshot:
-        """As of every pair, with forces at nodes from those at corners of the master."""
+        """Return the snapshot of every pair, with nodal forces from forces at corners of the master."""
         seen = super().snapshot(state, position)
         if self.corners is None or not self.corners.touching:
             return seen
@@ -233,7 +233,7 @@ class OperatorPair(ContactPair):
 
 
 def refuse_wrong(pieces: Pieces, count: Any, slave_nodes: int, master_nodes: int, part: str) -> None:
-    """Raise WrongAnswer where the first `count` pieces of a part are not as the contract says."""
+    """Raise WrongAnswer if the first `count` pieces of a plugin component break the contract."""
     room = len(pieces.slave)
     if not isinstance(count, int | np.integer) or not 0 <= count <= room:
         raise WrongAnswer(

@@ -1,4 +1,4 @@
-"""Whether surfaces pass through each other in a motion, however long it is."""
+"""Detection of surfaces that pass through each other in a motion of any length."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from contactlab.kernels.contact.passing import find_passages
 
 
 class Passage(NamedTuple):
-    """The first node that passes through the other side of its pair: after which share of a motion, and which node."""
+    """The first node that passes through the other side of its pair: the share of the motion, and the node."""
 
     share: float
     pair: ContactPair
@@ -21,11 +21,11 @@ class Passage(NamedTuple):
 
 
 def first_passage(pairs: Iterable[ContactPair], before: Floats, after: Floats, depth: float) -> Passage | None:
-    """The first node of any pair that is more than `depth` segments inside the other side after a motion.
+    """Return the first node of any pair that is more than `depth` segments inside the other side after a motion.
 
-    Nodes of a slave that is much finer than its master may be no deeper than conditions hold them.
+    Nodes of a slave that is much finer than its master may be as deep as constraints can hold them.
     All nodes move along straight lines from `before` to `after` (N, 2). Nodes that come out behind the other side count
-    as well: what holds them back is in front of it.
+    as well: the contact that holds them is in front of it.
     """
     found = None
     for pair in pairs:

@@ -1,4 +1,4 @@
-"""A pair whose points press one by one: what its nodes feel are the means of the points at them."""
+"""A pair with individual pressures at points: nodes get the means of their points."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from contactlab.kernels.contact.pair import FAR
 class PointsPair(OperatorPair):
     """A slave and a master surface whose algorithm declares `points_press`.
 
-    Reports see nodes. With the hats N_i and the weights w of the points that have a condition a node has the force
+    Reports show nodes. With the hats N_i and the weights w of the points with a constraint a node has the force
     sum of w N_i p n, the length sum of w N_i, and the quotient of both as its pressure: the integral of the pressures
     over these lengths is the force of the points. Gaps and slips are means with the same weights.
     """
 
     def snapshot(self, state: State, position: Floats) -> ContactSnapshot:
-        """As of every pair, by nodes: the first multiplier of each stands for all of them, the others are open."""
+        """Return the snapshot by nodes: the first multiplier of each node represents all of them, others are open."""
         points = super().snapshot(state, position)
         slave, multiplier, share = self._shares()
         m, k = len(self.slave.nodes), self.slots
@@ -49,7 +49,7 @@ class PointsPair(OperatorPair):
         return True
 
     def at_nodes(self, values: Floats) -> Floats:
-        """Means (m,) of values (k,) of the points at each node; 0 where it has none."""
+        """Return means (m,) of values (k,) of the points at each node; 0 without points."""
         slave, multiplier, share = self._shares()
         weight, m = share * self.cover[multiplier], len(self.slave.nodes)
         total = np.bincount(slave, weight * values[multiplier], m)
@@ -57,18 +57,18 @@ class PointsPair(OperatorPair):
         return np.asarray(np.divide(total, length, out=np.zeros(m), where=length > 0.0))
 
     def slips_at_nodes(self, slips: Floats, gaps: Floats) -> Floats:
-        """Means (m,) [mm] of the points' slips."""
+        """Return means (m,) [mm] of the points' slips."""
         return self.at_nodes(slips)
 
     def facing(self) -> Ints:
-        """The master segment (m,) in front of a point at each node; `NO_SEGMENT` without one."""
+        """Return the master segment (m,) in front of a point at each node; `NO_SEGMENT` without one."""
         found = np.full(len(self.slave.nodes), NO_SEGMENT, np.int32)
         segment = self.master.node_segments[self.pieces.master[: self.count, 0], 1]
         found[self.pieces.slave[: self.count]] = np.where(segment >= 0, segment, NO_SEGMENT)[:, None]
         return np.minimum(found, NO_SEGMENT)
 
     def _shares(self) -> tuple[Ints, Ints, Floats]:
-        """Slave node, multiplier, and value there of the hat of that node at the point, of all pieces."""
+        """Return slave node, multiplier, and value of the node's hat at the point, of all pieces."""
         pieces, count = self.pieces, self.count
         share = pieces.D[:count, :, 0] / pieces.T[:count, 0]
         multiplier = np.repeat(pieces.multiplier[:count, 0], share.shape[1])

@@ -1,4 +1,4 @@
-"""One contact pair whose forces are the gradient of an energy."""
+"""A contact pair whose forces are the gradient of an energy."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ from contactlab.errors import WrongAnswer
 from contactlab.kernels.contact.pair import FAR
 
 STEP = 1e-6  # of a segment: differences of gradients
-LAGGED = 1e-8  # of the largest force: friction forces that change less by newer normal forces are those of the end
-LATER = 10.0  # times the last change: what changes after it could add up to
-STALLED = 1e-4  # of it: so are those that change less, if newer normal forces no longer halve the change
+LAGGED = 1e-8  # of the largest force: friction forces have converged if newer normal forces change them less
+LATER = 10.0  # times the last change: bound of all later changes
+STALLED = 1e-4  # of the largest force: convergence, too, if newer normal forces no longer halve the change
 
 
 class Opened(StartGaps):
-    """Surfaces that touched and were opened before the run; all gaps count in full."""
+    """Touching surfaces that were opened before the run; all gaps count in full."""
 
     def __init__(self, slots: int, opened: float) -> None:
         super().__init__(np.zeros(slots))
         self.opened = opened
 
     def uncounted(self) -> float:
-        """None of them."""
+        """Return 0: all gaps count."""
         return 0.0
 
     def told(self) -> str:
-        """The amount."""
+        """Return a message with the amount."""
         return (
             f"surfaces that touch before the run were opened by up to {self.opened:.4g} mm, as the algorithm needs; "
             "nodes of the slave were moved, and nothing is strained"
@@ -44,17 +44,17 @@ class Opened(StartGaps):
 class PotentialPair(GapPair):
     """A slave and a master surface under one `Potential`.
 
-    Closest points say what gaps and rows of its nodes are, for all that looks at contacts; forces come from the
-    potential. Multipliers are written once a step is accepted.
+    Closest points give gaps and rows of its nodes for all reports; forces come from the potential. Multipliers are
+    written once a step is accepted.
 
     nodes      (n,) global nodes of both surfaces, the slave's first
-    view       what the potential sees; `start` and `lagged` are filled anew
-    origin     (2,) [mm] what the potential's positions are taken from, sizes of the surfaces away from the model's:
+    view       the potential's view; `start` and `lagged` are refilled
+    origin     (2,) [mm] origin of the potential's positions, sizes of the surfaces away from the model's origin:
                products of positions far from the origin would lose the digits of small distances
-    at_nodes   (n, 2) [mm] positions of the last `evaluate`, from there
-    pushed     (n, 2) [N] gradient there; rubbed: the same of friction, None without
-    change     [N] of friction by the last normal forces that were newer
-    kept       (n, 2) [N] that of friction at the end of the last step, part of the state
+    at_nodes   (n, 2) [mm] positions of the last `evaluate`, from `origin`
+    pushed     (n, 2) [N] gradient there; rubbed: gradient of friction, None without
+    change     [N] of friction by the last update of normal forces
+    kept       (n, 2) [N] gradient of friction at the end of the last step, part of the state
     slipped    (m,) [mm] slip of the slave's nodes in the last step, with friction
     """
 
@@ -71,7 +71,7 @@ class PotentialPair(GapPair):
         friction: FrictionLaw | None,
         behind: tuple[Floats, Floats],
     ) -> None:
-        """`behind` each node (N,): the modulus [MPa] of the material, and that over the depth of its cells [MPa/mm]."""
+        """Set `behind` each node (N,): the modulus [MPa] of the material, and modulus over cell depth [MPa/mm]."""
         super().__init__(name, ClosestPoints(), *sides, reference, first_slot, friction)
         self.method, self.potential = potential, potential
         self.nodes = np.concatenate([self.slave.nodes, self.master.nodes])
@@ -93,40 +93,40 @@ class PotentialPair(GapPair):
         self.clearance = float(potential.clearance(self.view))
 
     def calls_per_step(self) -> dict[str, int]:
-        """The gradient once, and that of friction."""
+        """Count the gradient once, and the gradient of friction."""
         return {"contact potential": 1 + int(self.friction is not None)}
 
     def slips_at_nodes(self, slips: Floats, gaps: Floats) -> Floats:
-        """Slips (m,) [mm] of the last accepted step: no condition has any."""
+        """Return slips (m,) [mm] of the last accepted step: no constraint has any."""
         return self.slipped
 
     def _own(self, position: Floats) -> Floats:
-        """Positions (n, 2) [mm] of the nodes as the potential sees them."""
+        """Return positions (n, 2) [mm] of the nodes as the potential sees them."""
         return np.asarray(position[self.nodes] - self.origin)
 
     # --- a trial ----------------------------------------------------------------------------------
 
     def begin_step(self, position: Floats) -> None:
-        """A step starts at `position` (N, 2)."""
+        """Begin a step at `position` (N, 2)."""
         self.view.start[:] = self.view.lagged[:] = self._own(position)
         self.evaluated, self.change = False, np.inf
 
     def evaluate(self, position: Floats) -> None:
-        """Forces at trial positions (N, 2)."""
+        """Compute forces at trial positions (N, 2)."""
         self.position, self.at_nodes = position.copy(), self._own(position)
         self.pushed = self._checked(self.potential.gradient(self.view, self.at_nodes), "gradient")
         if self.friction is not None:
             self.rubbed = self._friction()
 
     def _friction(self) -> Floats:
-        """The gradient of friction; where nothing has moved yet, what it was at the end of the last step."""
+        """Return the gradient of friction; before any motion, its value at the end of the last step."""
         if self.still:
             return np.array(self.kept)
         return self._checked(self.potential.friction_gradient(self.view, self.at_nodes), "friction_gradient")
 
     @property
     def still(self) -> bool:
-        """Whether nothing has moved since the step started."""
+        """Return whether nothing has moved since the step started."""
         return np.array_equal(self.at_nodes, self.view.start)
 
     def _checked(self, found: Any, method: str) -> Floats:
@@ -144,7 +144,7 @@ class PotentialPair(GapPair):
             np.subtract.at(tangential, self.nodes, self.rubbed)
 
     def force_derivative(self, size: int) -> Any:
-        """Derivative (size, size) of all its forces by the degrees of freedom of the model."""
+        """Return the derivative (size, size) of all its forces by the degrees of freedom of the model."""
         total = self.stiffness()
         if self.friction is not None:
             rub = self.potential
@@ -154,7 +154,7 @@ class PotentialPair(GapPair):
         return coo_array((-entries.data, place), shape=(size, size)).tocsr()
 
     def stiffness(self) -> Any:
-        """Second derivative (2n, 2n) of the energy by the positions of its nodes at the last `evaluate`."""
+        """Return the second derivative (2n, 2n) of the energy by the positions of its nodes at the last `evaluate`."""
         return self._second(self.potential.hessian, self.potential.gradient, "hessian")
 
     def _second(self, given: Any, gradient: Any, method: str) -> Any:
@@ -169,12 +169,12 @@ class PotentialPair(GapPair):
         return found
 
     def free_share(self, position: Floats, motion: Floats) -> float:
-        """Largest fraction of a motion (N, 2) from `position` (N, 2) that the potential allows."""
+        """Return the largest fraction of a motion (N, 2) from `position` (N, 2) that the potential allows."""
         share = self.potential.largest_step(self.view, self._own(position), motion[self.nodes])
         return min(1.0, max(0.0, float(share)))
 
     def take_over(self) -> bool:
-        """Whether friction changes if its normal forces are those of the last `evaluate`: they are from now on."""
+        """Update the normal forces of friction to the last `evaluate`. Return whether friction changes."""
         before = self.rubbed
         if before is None:
             return False
@@ -192,19 +192,19 @@ class PotentialPair(GapPair):
         return True
 
     def dissipation(self) -> float:
-        """Energy [mJ] that friction takes in the step."""
+        """Return the energy [mJ] dissipated by friction in the step."""
         if self.rubbed is None:
             return 0.0
         return float(np.vdot(self.rubbed, self.at_nodes - self.view.start))
 
     def creep(self, states: Ints) -> float:
-        """Mean slip of nodes that stick (1 in `states`) in the last step, by friction, over the largest motion."""
+        """Return mean slip of stick nodes (1 in `states`) in the last step, by friction, over the largest motion."""
         motion = float(np.hypot(*(self.at_nodes - self.view.start).T).max())
         held = np.where(states == 1, np.hypot(*self.kept[: len(states)].T), 0.0)
         return float(held @ np.abs(self.slipped)) / max(float(held.sum()) * motion, 1e-300)
 
     def stored_since_start(self) -> float:
-        """Energy [mJ] of the potential at the last `evaluate` beyond that of the undeformed surfaces."""
+        """Return the energy [mJ] of the potential at the last `evaluate` beyond the undeformed surfaces."""
         start, now = (self.potential.energy(self.view, at) for at in (self.view.reference, self.at_nodes))
         return float(now - start)
 
@@ -227,9 +227,9 @@ class PotentialPair(GapPair):
         nodal_normals(self.slave.node_segments, across, lengths, normal)
         push, rub = self._shown(normal)
         if self.rubbed is not None and self.still:
-            rub = -self.rubbed[:m]  # without slip the potential has none of its own
+            rub = -self.rubbed[:m]  # without slip the potential has no friction of its own
         pressed = (push * normal).sum(axis=1) < 0.0
-        # nodes are pushed along their forces, so that these sum up to what acts
+        # nodes are pushed along their forces, so that these sum up to the acting force
         size = np.where(pressed, np.hypot(*push.T), 1.0)
         inward = np.where(pressed[:, None], push / size[:, None], -normal)
         along = turned(inward)
@@ -252,7 +252,7 @@ class PotentialPair(GapPair):
 
 
 def differences(gradient: Any, view: PotentialView, at: Floats, step: float) -> Floats:
-    """Central differences (2n, 2n) of a gradient at positions (n, 2)."""
+    """Return central differences (2n, 2n) of a gradient at positions (n, 2)."""
     out = np.zeros((at.size, at.size))
     for column in range(at.size):
         pair = []

@@ -1,4 +1,4 @@
-"""Numbers beside the gap that a pressure law declares: its memory, and what it needs of time, place and slip."""
+"""Numbers in addition to the gap that a pressure law declares: its memory, and time, place and slip if needed."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class PressureMemory:
-    """What a law is called with by name, for the k multipliers of all contacts.
+    """Keyword arguments of a law, for the k multipliers of all contacts.
 
     kept    (r, k) memory and, if needed, the rate of slip [mm/s] of the last step: a part of the state
     points  undeformed positions (k, 2) [mm] of the slave nodes
@@ -35,11 +35,11 @@ class PressureMemory:
             pair.memory.update({f"pressure.{name}" if name in pair.memory else name: v for name, v in known.items()})
 
     def begin_step(self, time: float, dt: float) -> None:
-        """Gaps are those of `time` [s], in a step of `dt` [s]."""
+        """Set the time [s] of the gaps, in a step of `dt` [s]."""
         self.time, self.dt = time, dt
 
     def of(self, slots: Ints | slice) -> dict[str, Any]:
-        """Keywords of the law for some multipliers."""
+        """Return keywords of the law for some multipliers."""
         found: dict[str, Any] = {name: values[slots] for name, values in self.rows.items()}
         found |= {
             name: np.broadcast_to(value(self.time), len(self.points))[slots] for name, value in self.fields.items()
@@ -48,7 +48,7 @@ class PressureMemory:
         return found | {name: given[name] for name in self.law.needs if name in given}
 
     def accept(self, gap: Floats, stiffness: Floats, size: Floats, slip: Floats | None) -> None:
-        """Remember a step that is accepted, with gaps (k,) [mm] and, if there is friction, slips (k,) [mm] in it."""
+        """Update the memory after an accepted step with gaps (k,) [mm] and, with friction, slips (k,) [mm] in it."""
         pressure, slope = np.zeros_like(gap), np.zeros_like(gap)
         gap = np.minimum(gap, self.law.begins())
         self.law.pressure(gap, stiffness, size, pressure, slope, **self.of(slice(None)))
@@ -60,10 +60,10 @@ class PressureMemory:
 
 
 def kept_by(law: NormalLaw) -> tuple[str, ...]:
-    """Rows of the state of a law, by name."""
+    """Return rows of the state of a law, by name."""
     return (*(("slip_rate",) if "slip_rate" in law.needs else ()), *law.memory)
 
 
 def named(memory: PressureMemory | None, slots: Ints | slice) -> dict[str, Any]:
-    """Keywords of a law for some multipliers: none for a law of the gap alone."""
+    """Return keywords of a law for some multipliers: none for a law of the gap alone."""
     return {} if memory is None else memory.of(slots)

@@ -13,15 +13,15 @@ from contactlab.contact.pair import ContactPair, initial_gaps
 from contactlab.contact.pressure_memory import PressureMemory, named
 
 POINTS, WEIGHTS = 0.5 * (np.polynomial.legendre.leggauss(4)[0] + 1.0), 0.5 * np.polynomial.legendre.leggauss(4)[1]
-DOUBLED = 30  # times that a depth is, until the law gives a force there
+DOUBLED = 30  # doublings of a depth, until the law gives a force there
 
 
 class PressureStore:
-    """Energy of surfaces: length times the integral of the pressure over conditions, at the positions of the last ones.
+    """Energy of surfaces: length times the integral of the pressure over constraints, at their last positions.
 
-    start      (k,) [mm] gaps at the start of a step in time, filled where `follows_steps`, as the response needs them
+    start      (k,) [mm] gaps at the start of a step in time, filled if `follows_steps`, as the response needs them
     stiffness  (k,) [MPa/mm] of the cells behind each slot
-    memory     numbers beside the gap; None for a law of the gap alone
+    memory     numbers in addition to the gap; None for a law of the gap alone
     beginning  [mJ] at the start of the run
     """
 
@@ -38,15 +38,15 @@ class PressureStore:
         for pair in pairs:
             initial_gaps(pair, reference)
         self.beginning = 0.0
-        if memory is None:  # else it is begun when the fields that a law needs are there
+        if memory is None:  # else it begins when the needed fields exist
             self.begin()
 
     def begin(self) -> None:
-        """Take the energy as it is for that of the start."""
+        """Take the present energy as the initial energy."""
         self.beginning = self.energy()
 
     def energy(self) -> float:
-        """The energy [mJ] now."""
+        """Return the energy [mJ] now."""
         total = 0.0
         for pair in self.pairs:
             own = pair.own
@@ -56,11 +56,11 @@ class PressureStore:
         return total
 
     def since_start(self) -> float:
-        """What has come to it since the start [mJ]."""
+        """Return the energy [mJ] gained since the start."""
         return self.energy() - self.beginning
 
     def accept(self, c: Conditions) -> None:
-        """Remember an implicit step that ends at the conditions as they are."""
+        """Update the memory after an implicit step that ends at the present constraints."""
         if self.memory is not None:
             gap = np.where(c.present, c.gap, self.law.begins())
             self.memory.accept(gap, self.stiffness, c.size, c.slip if len(c.slip) else None)
@@ -70,7 +70,7 @@ class PressureResponse(ImplicitEnforcement):
     """Residuals y_n - length * pressure(gap), and |y_t| <= bound.
 
     stiffness  (k,) [MPa/mm] of the cells behind each slot
-    memory     numbers beside the gap; None for a law of the gap alone
+    memory     numbers in addition to the gap; None for a law of the gap alone
     found      (2, k) pressure and its derivative by the gap
     """
 
@@ -93,10 +93,10 @@ class PressureResponse(ImplicitEnforcement):
             self.rub(c, out)
 
     def press(self, c: Conditions) -> Flags:
-        """Fill `found`; which conditions (k,) are closed.
+        """Fill `found` and return which constraints (k,) are closed.
 
-        A surface that a correction has opened by less than its force bends nodes stays closed, on the tangent of the
-        law at that force, as with exact multipliers: stiff laws would open and close by what a linearisation errs.
+        A surface that a correction opened by less than the displacement under its force stays closed, on the tangent of
+        the law at this force, as with exact multipliers: stiff laws would open and close by linearisation errors.
         """
         self.answer(np.where(c.present, c.gap, self.first), c.size, self.found)
         closed: Flags = c.present & (self.found[0] > 0.0)
@@ -107,16 +107,16 @@ class PressureResponse(ImplicitEnforcement):
         return closed
 
     def rub(self, c: Conditions, out: Response) -> None:
-        """Fill what friction asks for: what sticks does not slip."""
+        """Fill the friction response: nodes in stick do not slip."""
         rub(c, out)
 
     def answer(self, gap: Floats, size: Floats, out: Floats) -> None:
-        """Fill `out` (2, k) as `found` is for gaps and sizes (k,) [mm]."""
+        """Fill `out` (2, k) like `found` for gaps and sizes (k,) [mm]."""
         beside = named(self.memory, slice(None))
         self.law.pressure(np.minimum(gap, self.first), self.stiffness, size, out[0], out[1], **beside)
 
     def _hold(self, c: Conditions, stays: Flags) -> Flags:
-        """Fill `found` of conditions that stay closed with tangents at their force; those for which there is one."""
+        """Fill `found` of constraints that stay closed with tangents at their force; return which have one."""
         wish = np.divide(c.force[0], c.measure, out=np.zeros_like(c.measure), where=stays & (c.measure > 0.0))
         depth, there = np.divide(wish, self.stiffness), np.zeros_like(self.found)
         short = stays
@@ -128,16 +128,16 @@ class PressureResponse(ImplicitEnforcement):
                 break
             depth[short] *= 2.0
         held: Flags = stays & ~short & (there[1] < 0.0)
-        # a law that is not convex presses by no tangent where there is no pressure
+        # a law that is not convex presses by no tangent at zero pressure
         there[0] = np.minimum(there[0] + there[1] * (c.gap - gap), 0.0)
         self.found[:, held] = there[:, held]
         return held
 
 
 class MeanPressureResponse(PressureResponse):
-    """Residuals of mean pressures over a step in time, whose work is what surfaces store (Armero & Petocz 1998).
+    """Residuals of mean pressures over a step in time, whose work is the stored energy (Armero & Petocz 1998).
 
-    Springs that are stiffer than the nodes they press, with their inertia over the step, have pressures at its end: the
+    Springs stiffer than the dynamic stiffness of their nodes over the step have pressures at its end: the
     mean would ring from step to step.
 
     start  (k,) [mm] gaps at the start of the step
@@ -157,7 +157,7 @@ class MeanPressureResponse(PressureResponse):
         return super().press(c)
 
     def answer(self, gap: Floats, size: Floats, out: Floats) -> None:
-        """Fill `out` (2, k) with the share of the mean and the rest of the end, and their derivatives by `gap` (k,)."""
+        """Fill `out` (2, k) with shares of mean and end pressure, and their derivatives by `gap` (k,)."""
         last = np.zeros_like(out)
         super().answer(gap, size, last)
         self._mean(gap, size, last, out)
@@ -165,7 +165,7 @@ class MeanPressureResponse(PressureResponse):
         out += (1.0 - self.share) * last
 
     def _mean(self, gap: Floats, size: Floats, last: Floats, out: Floats) -> None:
-        """Fill `out` (2, k) with means over gaps from the start to `gap` (k,) [mm], and their derivatives by that.
+        """Fill `out` (2, k) with means over gaps from the start to `gap` (k,) [mm], and their derivatives by `gap`.
 
         last  (2, k) pressures at `gap` and their derivatives
         """
@@ -176,7 +176,7 @@ class MeanPressureResponse(PressureResponse):
         for share, weight in zip(POINTS, WEIGHTS, strict=True):
             self.law.pressure(begin + share * (end - begin), self.stiffness, size, pressure, slope, **beside)
             out += weight * np.stack([pressure, share * slope])
-        # one part of the way is beyond the gap at which the law begins
+        # the part of the path beyond the gap at which the law begins
         crosses = (gap >= first) != (self.start >= first)
         if crosses.any():
             way = np.where(crosses, gap - self.start, 1.0)
@@ -185,12 +185,12 @@ class MeanPressureResponse(PressureResponse):
 
 
 def rub(c: Conditions, out: Response) -> None:
-    """Sticking conditions do not slip, the others carry their bound."""
+    """Fill exact friction: nodes in stick do not slip, the others carry their bound."""
     stiffness = np.where(c.present, c.stiffness, 0.0)
     limit, growth = FrictionBound(*c.bound).limits(c.force[0], np.where(c.present, c.measure, 0.0))
     growth = np.where(c.force[0] > 0.0, growth, 0.0)
     trial = c.force[1] - stiffness * c.slip
-    # a force at one end of its bound that would jump to the other sticks first: Newton's method goes to and fro else
+    # a force at one end of its bound that would jump to the other sticks first: else Newton's method oscillates
     turns = (trial * c.force[1] < 0.0) & (limit > 0.0)
     sticks = (np.abs(trial) < limit) | turns
     sign = np.sign(trial)

@@ -17,12 +17,12 @@ from contactlab.kernels.contact.pair import FAR
 from contactlab.kernels.contact.rub import push, rub, start_slips
 
 AHEAD = 2.0  # steps for which the slope is bounded
-SPARE = 1.3  # times the slope for which steps are made: within it none has to be shortened
-TOLERANCE, SWEEPS = 1e-10, 200  # of friction: segment lengths, and most sweeps
+SPARE = 1.3  # margin on the slope of the step length: within it no step has to be shortened
+TOLERANCE, SWEEPS = 1e-10, 200  # of friction: segment lengths, and most Gauss-Seidel iterations
 
 
 class PressureForces(ExplicitEnforcement):
-    """What stands for an explicit enforcement where a normal law gives the forces."""
+    """Placeholder for an explicit enforcement if a normal law gives the forces."""
 
     exact = False
 
@@ -30,7 +30,7 @@ class PressureForces(ExplicitEnforcement):
         self.law = law
 
     def solve(self, rows: Rows, compliance: Floats, multipliers: Floats, force: Floats) -> Solve:
-        """Never called: forces follow from the gaps at the start of a step, which rows do not hold here."""
+        """Raise NotImplementedError: forces follow from the gaps at the start of a step, which rows lack here."""
         raise NotImplementedError("forces of a normal law are found by the contact system")
 
 
@@ -42,9 +42,9 @@ class PressureContactSystem(ConsistentContactSystem):
 
     store      the energy of the surfaces, with the law and the stiffness of the cells behind each slot
     densities  of each pair, the sum of largest lengths over masses of both sides [mm/t]
-    allowed    (pairs,) [MPa/mm] steepest slope of each that steps are made for; in the state, as steps follow it
-    shear      (pairs,) [MPa/mm] shear per slip of those whose friction is that of springs
-    shared     whether a node belongs to several pairs, whose slopes then add up
+    allowed    (pairs,) [MPa/mm] steepest slope allowed by the step length; in the state, as steps follow it
+    shear      (pairs,) [MPa/mm] shear per slip of pairs with friction by springs
+    shared     True if a node belongs to several pairs, whose slopes then add up
     """
 
     def __init__(
@@ -78,7 +78,7 @@ class PressureContactSystem(ConsistentContactSystem):
         return done
 
     def _push(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> tuple[int, float]:
-        """Nodal forces of all rows, with friction found under them; sweeps, and what the last one left."""
+        """Add nodal forces of all rows, with friction under them. Return sweeps, and the last change."""
         count, address, sweeps, residual = self.rows.count, self.rows.packed.address, 1, 0.0
         push(count, address, self.multipliers, force)
         if len(self.rows.slip):
@@ -93,22 +93,22 @@ class PressureContactSystem(ConsistentContactSystem):
         return done._replace(sweeps=done.sweeps + sweeps, residual=residual)
 
     def _advance(self, pair: ContactPair, first: int, current: Floats, predicted: Floats) -> None:
-        """Gaps are those of the start of the step."""
+        """Leave gaps at the start of the step."""
 
     @property
     def stored_since_start(self) -> float:
-        """Energy [mJ] that the surfaces hold beyond that of the start, at the time of the velocities.
+        """Return the energy [mJ] stored in the surfaces since the start, at the time of the velocities.
 
-        Gaps and forces are those of the start of the last step; velocities belong to its middle.
+        Gaps and forces belong to the start of the last step; velocities belong to its middle.
         """
         half = 0.5 * self.state.last_dt * float(np.vdot(self.velocity, self.state["contact_force"]))
         return self.store.since_start() - half
 
     def rate(self, step: float) -> float:
-        """Largest eigenvalue [1/s2] of the law: its largest slope in the next steps, times lengths over masses.
+        """Return the largest eigenvalue [1/s2] of the law: largest slope in the next steps, times lengths over masses.
 
         A motion of the nodes (u, v) of both sides changes gaps by u - Pv, with weights P that add up to one; so the
-        energy of slopes s is at most s times length over mass of each side, summed, times that of the masses.
+        energy of slopes s is at most s times length over mass of each side, summed, times the energy of the masses.
         """
         moved = 2.0 * AHEAD * step * float(np.abs(self.velocity).max(initial=0.0))
         if self.memory is not None and self.memory.dt == 0.0:
@@ -118,7 +118,7 @@ class PressureContactSystem(ConsistentContactSystem):
             gaps = np.minimum(np.where(pair.gaps[:, 0] < FAR, pair.gaps[:, 0], 0.0), self.law.begins())
             size = np.where(pair.full > 0.0, pair.full, pair.size)
             steepest = float(self.shear[number])
-            # what remembers may be steeper on its way back
+            # laws with memory may be steeper on unloading
             for way in (-moved,) if self.memory is None else (-moved, 0.0, moved):
                 pressure, slope = np.zeros_like(gaps), np.zeros_like(gaps)
                 where = np.minimum(gaps + way, -1e-9 * pair.size)
@@ -129,7 +129,7 @@ class PressureContactSystem(ConsistentContactSystem):
         return float(squares.sum() if self.shared else squares.max())
 
     def following(self, advance: Callable[[float], Step]) -> Callable[[float], Step]:
-        """The function that makes steps, each of which a law with memory is told of before and after."""
+        """Return the step function, which informs a law with memory before and after each step."""
         advance = super().following(advance)
         if (memory := self.memory) is None:
             return advance
@@ -144,7 +144,7 @@ class PressureContactSystem(ConsistentContactSystem):
         return step
 
     def _remember(self) -> None:
-        """The gaps of the start of the step that was made, and its slips, become memory."""
+        """Move the gaps at the start of the step, and its slips, into memory."""
         assert self.memory is not None
         rows, slot, slots = self.rows, self.rows.slot[: self.rows.count], len(self.stiffness)
         gap, size = np.full(slots, self.law.begins()), np.zeros(slots)
@@ -154,7 +154,7 @@ class PressureContactSystem(ConsistentContactSystem):
 
     @property
     def stiffened(self) -> bool:
-        """Whether a slope of the last step is steeper than `rate` allowed for."""
+        """True if a slope of the last step is steeper than `rate` allowed for."""
         slot, slope = self.rows.slot[: self.rows.count], self.slope[: self.rows.count]
         for pair, allowed in zip(self.passes, self.allowed, strict=True):
             own = (slot >= pair.first_slot) & (slot < pair.first_slot + pair.slots)
@@ -164,5 +164,5 @@ class PressureContactSystem(ConsistentContactSystem):
 
 
 def nodes_of(pair: ContactPair) -> Ints:
-    """Nodes of both sides."""
+    """Return nodes of both sides."""
     return np.concatenate([pair.slave.nodes, pair.master.nodes])

@@ -1,4 +1,4 @@
-"""What friction adds to a contact pair: the bound of its law, constant or by multiplier, and the start of the step."""
+"""Friction data of a contact pair: the bound of its law, constant or by multiplier, and the start of the step."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ if TYPE_CHECKING:
 KEPT = ("coefficient", "adhesion", "cap", "pressure", "slip_rate")
 """First rows of the state of a law that varies."""
 FOLLOWED = 1e-6
-"""What bounds may still change by when they follow slips, over the largest."""
+"""Largest change of bounds that follow slips, over the largest bound."""
 DEPTH = 4
-"""Rounds that bounds which follow slips are extrapolated from."""
+"""Number of rounds from which bounds that follow slips are extrapolated."""
 TRIES = 60
-"""Most tries to find a rate of slip."""
+"""Most iterations to find a rate of slip."""
 EXACT = 1e-9
-"""Error of a slip that was found, over the slip without friction."""
+"""Tolerance of a computed slip, over the slip without friction."""
 
 
 class Sliding:
     """The bound of a law of k multipliers, and the start of the step.
 
-    bound       (3,) coefficient [-], adhesion [MPa], cap [-] of a law that is constant
-    everywhere  the bound holds in the air, too: every multiplier in reach needs a row
+    bound       (3,) coefficient [-], adhesion [MPa], cap [-] of a constant law
+    everywhere  the bound also holds at open nodes: every multiplier within the search distance needs a row
     before      (k, 2) normals at the start of the step
-    began       positions of both surfaces there [mm]
+    began       positions of both surfaces at the start of the step [mm]
     """
 
     def __init__(self, law: FrictionLaw, multipliers: int, at: SurfacePositions) -> None:
@@ -46,20 +46,20 @@ class Sliding:
         self._views: tuple[ContactView, ContactView] | None = None
 
     def of(self, slots: Ints | slice) -> Floats:
-        """The bound (3, n) or (3, 1) of some multipliers in the step at hand."""
+        """Return the bound (3, n) or (3, 1) of some multipliers in the present step."""
         return self.bound[:, None]
 
     def view(self, now: ContactView) -> ContactView:
-        """What the algorithm saw at the start of the step, where it sees `now`."""
+        """Return the view `now` with the positions of the start of the step."""
         if self._views is None or self._views[0] is not now:
             self._views = now, now._replace(at=self.began)
         return self._views[1]
 
 
 class VaryingSliding(Sliding):
-    """The bound of a law that follows what happens: `kept` (r, k) is a part of the state.
+    """The bound of a law that depends on the motion: `kept` (r, k) is a part of the state.
 
-    Its rows are those of `KEPT`, two of the positions where the law needs them, and those of its memory.
+    Its rows are `KEPT`, two rows of positions if the law needs them, and its memory.
     """
 
     def __init__(self, law: FrictionLaw, multipliers: int, at: SurfacePositions) -> None:
@@ -69,16 +69,16 @@ class VaryingSliding(Sliding):
         self.size: Floats = np.zeros(multipliers)
         self.time = self.dt = 0.0
         self.seen: tuple[Floats, Floats] | None = None
-        self.past: list[tuple[Floats, Floats]] = []  # bounds that rounds found, less those that they were given
+        self.past: list[tuple[Floats, Floats]] = []  # bounds found by rounds, and their change from the given bounds
         self.softness = 1.0
         self.fields: Mapping[str, Callable[[float], Any]] = {}
 
     def of(self, slots: Ints | slice) -> Floats:
-        """The bound (3, n) of some multipliers in the step at hand."""
+        """Return the bound (3, n) of some multipliers in the present step."""
         return np.asarray(self.kept[:3, slots])
 
     def bind(self, state: State, pair: ContactPair) -> None:
-        """Keep what it remembers in the state from here on."""
+        """Keep its memory in the state from here on."""
         self.kept = state[f"friction.{pair.name}"]
         self.remembered = dict(zip(self.law.memory, self.kept[len(self.kept) - len(self.law.memory) :], strict=True))
         remember(self.law, "start", self.law.start(), self.remembered)
@@ -90,7 +90,7 @@ class VaryingSliding(Sliding):
         self._take_positions(pair)
 
     def begin_step(self, pair: ContactPair, time: float, dt: float) -> None:
-        """The bound at the start of a step of `dt` [s] that ends at `time`; asked again, it is the same."""
+        """Compute the bound at the start of a step of `dt` [s] that ends at `time`; repeated calls agree."""
         self.seen, self.softness = None, 1.0
         self.past.clear()
         if dt > 0.0:
@@ -98,9 +98,9 @@ class VaryingSliding(Sliding):
             self.kept[:3] = self._bounds(self.kept[4])
 
     def follow(self, pair: ContactPair, slip: Floats, give: Floats, force: Floats) -> float:
-        """Move the bounds to those of the slip that they leave; by how much of the largest they change.
+        """Update the bounds to the resulting slip. Return the change over the largest bound.
 
-        slip (k,) [mm] of the step under `force` (2, k) [N]; `give` (k,) [mm/N] is what a tangential force changes it by
+        slip (k,) [mm] of the step under `force` (2, k) [N]; `give` (k,) [mm/N] is its change by a tangential force
         """
         free = np.where(force[0] > 0.0, slip - give * force[1], 0.0)
 
@@ -116,10 +116,10 @@ class VaryingSliding(Sliding):
         return float(change.max(initial=0.0)) / max(float(now.max(initial=0.0)), 1e-300)
 
     def measured_give(self, slip: Floats, force: Floats, flexibility: Floats) -> Floats:
-        """What tangential forces change slips by (k,) [mm/N]: `flexibility` (k,) of nodes times what bodies add to it.
+        """Return the change of slips by tangential forces (k,) [mm/N]: nodal `flexibility` (k,) times a body factor.
 
-        The factor is the largest that changes of slips (k,) [mm] and forces (k,) [N] showed in this step: bounds that
-        follow by too small a one overshoot, by too large a one they only take more rounds.
+        The factor is the largest ratio of changes of slips (k,) [mm] and forces (k,) [N] in this step: bounds overshoot
+        with too small a factor, and only take more rounds with too large a factor.
         """
         if self.seen is not None:
             moved, more = slip - self.seen[0], force - self.seen[1]
@@ -130,7 +130,7 @@ class VaryingSliding(Sliding):
         return self.softness * flexibility
 
     def _ahead(self, given: Floats, found: Floats) -> Floats:
-        """Where rounds lead that found other bounds than they were given: Anderson's extrapolation of the last ones."""
+        """Return Anderson's extrapolation of the last rounds, which changed given bounds to found bounds."""
         self.past = [*self.past[-DEPTH:], (found, found - given)]
         if len(self.past) < 3:
             return found
@@ -139,9 +139,9 @@ class VaryingSliding(Sliding):
         return np.asarray(found - places @ weights)
 
     def _rates(self, free: Floats, give: Floats, limits: Callable[[Floats], Floats]) -> Floats:
-        """Rates v >= 0 (k,) at which v dt + give * limit(v) is the slip `free` (k,) [mm] that there is without force.
+        """Return rates v >= 0 (k,) at which v dt + give * limit(v) is the slip `free` (k,) [mm] without force.
 
-        Zero where the limit at rest holds it. Regula falsi with Illinois' weights, and bisection where it is slow.
+        Zero if the limit at rest holds it. Regula falsi with Illinois' weights, and bisection if it is slow.
         """
         low, high = np.zeros_like(free), free / self.dt
         below, above = give * limits(low) - free, give * limits(high)
@@ -163,12 +163,12 @@ class VaryingSliding(Sliding):
         return rate
 
     def accept(self, pair: ContactPair, slip: Floats, force: Floats) -> None:
-        """The step that was begun is accepted: slips (k,) [mm] and normal forces (k,) [N] in it."""
+        """Accept the step that was begun, with slips (k,) [mm] and normal forces (k,) [N]."""
         cover = pair.cover
         pressed = (force > 0.0) & (cover > 0.0)
         self.kept[3] = np.divide(force, cover, out=np.zeros_like(force), where=pressed)
         self.kept[4] = np.where(pressed, slip / self.dt, 0.0)
-        if not pair.idle:  # it knows no positions where nothing is near
+        if not pair.idle:  # it knows no positions if nothing is near
             self._take_positions(pair)
         if self.law.memory:
             remember(self.law, "evolve", self.law.evolve(**self._needed(self.kept[4])), self.remembered)
@@ -178,7 +178,7 @@ class VaryingSliding(Sliding):
             self.kept[len(KEPT) : len(KEPT) + 2] = np.tile(pair.at.slave.T, pair.method.rows_per_node)
 
     def _bounds(self, slip_rate: Floats) -> Floats:
-        """Coefficient, adhesion and cap (3, k) at these rates of slip."""
+        """Return coefficient, adhesion and cap (3, k) at these rates of slip."""
         found = self.law.bound(**self._needed(slip_rate))
         if not isinstance(found, tuple) or len(found) != 3:
             raise WrongAnswer(f"{type(self.law).__name__}: bound gave {type(found).__name__}, needed: FrictionBound")
@@ -198,19 +198,19 @@ class VaryingSliding(Sliding):
 
 
 def rows_of(law: FrictionLaw) -> int:
-    """Rows of the state of a law that varies."""
+    """Return the number of state rows of a law that varies."""
     return len(KEPT) + 2 * ("position" in law.needs) + len(law.memory)
 
 
 def sliding_of(law: FrictionLaw | None, multipliers: int, at: SurfacePositions) -> Sliding | None:
-    """What a law adds to a pair; None without one."""
+    """Return the friction data of a law for a pair; None without a law."""
     if law is None:
         return None
     return (VaryingSliding if law.varies else Sliding)(law, multipliers, at)
 
 
 def varying(pairs: Sequence[ContactPair], state: State) -> list[tuple[ContactPair, VaryingSliding]]:
-    """The pairs whose laws vary, bound to the state."""
+    """Return the pairs whose laws vary, bound to the state."""
     found = [(pair, pair.sliding) for pair in pairs if isinstance(pair.sliding, VaryingSliding)]
     for pair, sliding in found:
         sliding.bind(state, pair)

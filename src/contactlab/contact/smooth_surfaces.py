@@ -1,4 +1,4 @@
-"""Smooth surfaces of a pair: gaps between curves through the nodes, in place of those between their segments.
+"""Smooth surfaces of a pair: gaps between curves through the nodes instead of their segments.
 
 Multipliers, forces and search stay on segments; `contactlab.kernels.contact.smooth` has the curves.
 """
@@ -21,9 +21,9 @@ ENTRIES = 224  # of derivatives for each piece: 128 of bends, 96 of moments
 
 
 class SmoothSurfaces:
-    """Curves through the nodes of both sides of a pair, and what they add to its gaps.
+    """Curves through the nodes of both sides of a pair, and their contribution to its gaps.
 
-    reference  (N, 2) [mm] positions in which it is seen what is a corner
+    reference  (N, 2) [mm] positions at which corners are found
     """
 
     def __init__(self, pair: OperatorPair, reference: Floats) -> None:
@@ -44,20 +44,20 @@ class SmoothSurfaces:
         segments.moments(self.part, self.pair.seen(memory), pieces, self.pair.count, self.moments)
 
     def shifts(self, at: SurfacePositions) -> Floats:
-        """What curves add to separations (k, 2) [mm] at positions `at`, until they are next asked for."""
+        """Return the shift of separations (k, 2) [mm] by curves at positions `at`, valid until the next call."""
         pair, shift = self.pair, self.shift
         places, moments = pair.pieces.segment, self.moments
         kernels.shifts(pair.address, pair.count, tuple(at), self.sides, places, moments, shift)
         return shift
 
     def add(self, at: SurfacePositions, gaps: Floats) -> None:
-        """Add what the curves lie from the segments at positions `at` to normal gaps (k, 2) [mm]."""
+        """Add the offset of the curves from the segments at positions `at` to normal gaps (k, 2) [mm]."""
         kernels.add_normal(self.shifts(at), self.pair.normals, gaps)
 
     def derivatives(self, memory: Floats) -> tuple[Ints, Ints, Floats]:
-        """Entries of what separations change with nodes by the curves, before T.
+        """Return entries of the derivatives of separations by nodes through the curves, before T.
 
-        Rows are 2 k + component, columns those of the model.
+        Rows are 2 k + component, columns as in the model.
         """
         pair, pieces, owner, at = self.pair, self.pair.pieces, self.pair.coupling.owner, tuple(self.pair.at)
         out = row, column, value = triplets(ENTRIES * pair.count)
@@ -78,7 +78,7 @@ class SmoothSurfaces:
 
 
 def _beside(surface: Surface, at: Floats) -> Ints:
-    """Segments (s, 2) before and after each of one curve, -1 where the curve ends."""
+    """Return segments (s, 2) before and after each on the same curve, -1 at ends of curves."""
     edges: Any = at[surface.segments[:, 1]] - at[surface.segments[:, 0]]
     along = edges / np.hypot(*edges.T)[:, None]
     beside = np.stack([surface.node_segments[surface.segments[:, end], end] for end in range(2)], axis=1)

@@ -1,4 +1,4 @@
-"""Gaps that the meshes have before the run, and that do not count as gaps, or not yet."""
+"""Initial gaps of the meshes that do not count as gaps, or not yet."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from contactlab.kernels.contact.pair import FAR
 
 
 class StartGaps(ABC):
-    """What of the gaps at the start is taken from the gaps of a step.
+    """The share of initial gaps that is subtracted from the gaps of a step.
 
-    value      (k,) [mm] gaps of the start, negative where surfaces overlap; zero where they count in full
-    ramped     whether the scene asks for an overlap to be pushed out, so that contact puts energy in on purpose
-    lasting    whether the gaps of the start never come to count
-    by_facets  whether no node overlaps, and the facets alone make weighted gaps negative
-    opened     by how much nodes of the slave were moved at most to open surfaces that touched [mm]
+    value      (k,) [mm] initial gaps, negative if surfaces overlap; zero if they count in full
+    ramped     True if the scene pushes an overlap out, so that contact adds energy on purpose
+    lasting    True if the initial gaps never count
+    by_facets  True if no node overlaps, and the facets alone make weighted gaps negative
+    opened     largest motion of slave nodes that opened touching surfaces [mm]
     """
 
     ramped: ClassVar[bool] = False
@@ -32,18 +32,18 @@ class StartGaps(ABC):
 
     @abstractmethod
     def uncounted(self) -> float:
-        """The share of the gaps of the start that does not count now, 0 to 1."""
+        """Return the share of the initial gaps that does not count now, 0 to 1."""
 
     def told(self) -> str:
-        """What a run says of them at its start; empty where the scene has asked for them."""
+        """Return the message of a run at its start; empty if the scene declares them."""
         return ""
 
 
 class RampedOverlap(StartGaps):
-    """Overlaps of the start count as zero first, and come to count in full during a ramp.
+    """Initial overlaps that count as zero first, and count in full after a ramp.
 
     time  an array whose first number is the time [s] at which gaps are measured
-    ramp  what counts of the overlaps at a time, 0 to 1
+    ramp  share of the overlaps that counts at a time, 0 to 1
     """
 
     ramped = True
@@ -53,52 +53,52 @@ class RampedOverlap(StartGaps):
         self.time, self.ramp = time, ramp
 
     def uncounted(self) -> float:
-        """Less with time."""
+        """Return the share, which falls with time."""
         return 1.0 - self.ramp(float(self.time[0]))
 
 
 class FacetOverlap(RampedOverlap):
-    """Weak overlaps of surfaces that only touch: facets make them, and they come to count in full during a ramp.
+    """Weak overlaps of touching surfaces by their facets, which count in full after a ramp.
 
-    The mean gap of a curved surface over the facets at a node lies h^2/12R below the gap of the node itself. To push
-    that out in one step would be a blow, whose energy nothing supplied. Where nothing loads the bodies, the ramp has no
+    The mean gap of a curved surface over the facets at a node lies h^2/12R below the gap of the node itself. Pushing
+    it out in one step would be an impact with energy from nowhere. If nothing loads the bodies, the ramp has no
     end, and they keep their energy.
     """
 
     ramped, by_facets = False, True
 
     def told(self) -> str:
-        """The amount, and what is done about it."""
+        """Return a message with the amount, and its treatment."""
         return (
             f"the facets of surfaces that touch overlap by up to {-float(self.value.min()):.3g} mm in their weighted "
             "gaps, and no node does: they count as touching, and the overlap comes to count as loads come"
         )
 
     def pushed(self, begin: float, end: float) -> Floats | None:
-        """Gaps (k,) [mm] that come to count between two times [s], none above zero; None if there are none."""
+        """Return gaps (k,) [mm] that begin to count between two times [s], none above zero; None without any."""
         share = self.ramp(end) - self.ramp(begin)
         return share * self.value if share > 0.0 else None
 
 
 class ZeroStart(StartGaps):
-    """Distances of the start, open or overlapping, count as gaps of zero all the time."""
+    """Initial distances, open or overlapping, that count as zero gaps all the time."""
 
     lasting = True
 
     def __init__(self, gaps: Floats) -> None:
-        super().__init__(np.where(gaps < FAR, gaps, 0.0))  # where there was no condition, nothing is taken away
+        super().__init__(np.where(gaps < FAR, gaps, 0.0))  # without a constraint nothing is subtracted
 
     def uncounted(self) -> float:
-        """All of them."""
+        """Return 1: no initial gap counts."""
         return 1.0
 
 
 class FittedFacets(ZeroStart):
-    """The part of gaps that facets of fitting curves cause: it never counts, the clearance of the curves does."""
+    """Gaps by facets of matching curves: they never count, the clearance of the curves does."""
 
     def told(self) -> str:
-        """The amount."""
+        """Return a message with the amount."""
         return (
             f"the facets of curved sides that fit overlap by up to {-float(self.value.min()):.3g} mm in their weighted "
-            "gaps, and no node lies within the other curve: the distances of the curves count in their place"
+            "gaps, and no node lies within the other curve: the distances of the curves count instead"
         )

@@ -1,4 +1,4 @@
-"""Gaps and slips of a step as products of rows and its motion, rows that belong to its middle."""
+"""Gaps and slips of a step as products of mid-step rows and its motion."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from contactlab.kernels.contact.pair import FAR
 
 
 class StepRows(Linearisation):
-    """Rows G of the gaps of one pair in the middle of a step, as its velocities predict it, and what holds at its end.
+    """Mid-step rows G of the gaps of one pair, at predicted positions, and their constraints at the end of the step.
 
-    That is max(g_n, 0) + G (x - x_n) >= 0 from the start x_n, where gaps are g_n, to the end x. The work of forces that
-    hold it is -y max(g_n, 0), never positive, however surfaces turn, slide or come within reach of each other
-    (docs/theory/contact-energy.md). With friction slips are R (x - x_n), R being tangents there, and friction works
-    y_t times that. G and R are changed by as little as it takes to have no moment about the mean positions, with which
+    The constraint is max(g_n, 0) + G (x - x_n) >= 0 from the start x_n with gaps g_n to the end x. The work of its
+    forces is -y max(g_n, 0), never positive, however surfaces turn, slide or approach each other
+    (docs/theory/contact-energy.md). Slips are R (x - x_n), R being mid-step tangents, and friction works
+    y_t times the slip. The least change of G and R removes their moment about the mean positions, at which
     forces act: then angular momentum is kept.
 
-    slots  (c,) multipliers that have a condition, held (c,) [mm] their max(g_n, 0)
+    slots  (c,) multipliers with a constraint, held (c,) [mm] their max(g_n, 0)
     """
 
     def __init__(self, linear: Linearisation) -> None:
@@ -38,12 +38,12 @@ class StepRows(Linearisation):
         self.tangent: MomentFreeRows | None = None
 
     def begin(self, time: float, position: Floats, middle: Floats) -> None:
-        """Take the rows of the middle."""
+        """Take the mid-step rows."""
         pair, linear = self.linear.pair, self.linear
         pair.update(position, self.memory)
         gap = pair.gaps[:, 0].copy()
         linear.evaluate(middle, position)
-        # multipliers without a condition at the start, or in the middle, can have no force
+        # multipliers without a constraint at the start, or in the middle, can have no force
         self.present[:] = (pair.gaps[:, 0] < FAR) & (gap < FAR)
         self.slots = np.flatnonzero(self.present).astype(np.int32)
         self.normal = MomentFreeRows(linear.gap_derivatives(self.slots), self.beside)
@@ -51,16 +51,16 @@ class StepRows(Linearisation):
             self.tangent = MomentFreeRows(linear.tangents(self.slots), self.beside)
         gap, facets = gap[self.slots], pair.start_gaps
         pushed = facets.pushed(time, float(facets.time[0])) if isinstance(facets, FacetOverlap) else None
-        # gaps are those that count at the end of the step: of overlaps by facets, what comes to count in it goes
+        # gaps count as at the end of the step: overlaps by facets lose the share that begins to count
         less = 0.0 if pushed is None else pushed[self.slots]
-        # overlaps of the start that are pushed out put energy in on purpose
+        # pushing out initial overlaps adds energy on purpose
         self.held = gap if pair.pushes_overlaps_out else np.maximum(gap - less, 0.0) + less
         self.start = position.copy()
         self.gap[:], self.slip[:] = FAR, 0.0
         self.evaluate(position, position)
 
     def evaluate(self, position: Floats, start: Floats) -> None:
-        """What is to be no less than zero at the end, and slips of the step."""
+        """Compute the constrained values at the end, and slips of the step."""
         np.subtract(position, self.start, out=self.moved)
         self._about(self.start + 0.5 * self.moved)
         self.gap[self.slots] = self.held + self.normal.times(self.moved)
@@ -68,7 +68,7 @@ class StepRows(Linearisation):
             self.slip[self.slots] = self.tangent.times(self.moved)
 
     def accept(self) -> None:
-        """Gaps of the pair become those of the end, by the rows of the middle."""
+        """Update the pair's gaps to the end, by the mid-step rows."""
         self.linear.pair.compute_gaps(self.start + self.moved)
 
     def _about(self, position: Floats) -> None:
@@ -77,18 +77,18 @@ class StepRows(Linearisation):
                 rows.about(position)
 
     def flexibilities(self, nodal: Floats) -> Floats:
-        """Those in the middle."""
+        """Return mid-step flexibilities."""
         return self.linear.flexibilities(nodal)
 
     def add_forces(self, multipliers: Floats, normal: Floats, tangential: Floats) -> None:
-        """Rows times multipliers."""
+        """Add rows times multipliers."""
         y = multipliers[:, self.pair.own][:, self.slots]
         normal += (self.normal.rows().T @ y[0]).reshape(-1, 2)
         if self.tangent is not None:
             tangential += (self.tangent.rows().T @ y[1]).reshape(-1, 2)
 
     def linearise(self, chosen: Ints, y: Floats) -> ContactDerivatives:
-        """By what the rows change with mean positions; each of the chosen multipliers has a condition."""
+        """Build derivatives from the change of rows with mean positions; each chosen multiplier has a constraint."""
         place = np.searchsorted(self.slots, chosen)
         force = self.normal.of_forces(y[0, self.slots])
         gap = self.normal.derivatives(self.moved)[place]
@@ -99,11 +99,11 @@ class StepRows(Linearisation):
         return ContactDerivatives(self.normal.rows()[place], self.tangent.rows()[place], gap, slip, force)
 
     def tangents(self, chosen: Ints) -> Any:
-        """Those in the middle."""
+        """Return mid-step tangents."""
         return self.linear.tangents(chosen)
 
     def directions(self, chosen: Ints) -> tuple[Any, Any]:
-        """Rows (c, 2N) of the chosen multipliers, normal and tangential ones (None without friction).
+        """Return rows (c, 2N) of the chosen multipliers, normal and tangential (None without friction).
 
         They have no moment about the positions at the end.
         """

@@ -1,4 +1,4 @@
-"""Conditions of a mortar that are taken at corners of the master, for implicit integrators (`contact.corners`)."""
+"""Mortar constraints taken at corners of the master, for implicit integrators (`contact.corners`)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from contactlab.contact.linearisation import ConsistentLinearisation, Linearisat
 
 
 class TakenLinearisation(Linearisation):
-    """As another linearisation of a pair, with conditions of nodes beyond corners taken at the corners."""
+    """Another linearisation of a pair, with constraints of nodes beyond corners taken at the corners."""
 
     def __init__(self, linear: PairLinearisation, corners: Corners) -> None:
         self.linear, self.corners = linear, corners
@@ -21,18 +21,18 @@ class TakenLinearisation(Linearisation):
         self.present, self.gap, self.slip = linear.present, linear.gap, linear.slip
 
     def evaluate(self, position: Floats, start: Floats) -> None:
-        """Those of the pair, whose gaps are taken at the corners already; and slips."""
+        """Evaluate the pair, whose gaps are taken at the corners already, and take slips there."""
         self.corners.start = start[self.pair.slave.nodes]
         self.linear.evaluate(position, start)
         if len(self.slip):
             self.corners.take(self.slip[:, None])
 
     def flexibilities(self, nodal: Floats) -> Floats:
-        """Those at the nodes."""
+        """Return flexibilities at the nodes."""
         return self.linear.flexibilities(nodal)
 
     def add_forces(self, multipliers: Floats, normal: Floats, tangential: Floats) -> None:
-        """Forces at the nodes, and what gaps change as corners slide along their segments."""
+        """Add forces at the nodes, and changes of gaps as corners slide along their segments."""
         own = self.pair.own
         at_nodes = multipliers.copy()
         at_nodes[:, own] = self.corners.at_nodes(multipliers[:, own])
@@ -43,7 +43,7 @@ class TakenLinearisation(Linearisation):
                 np.add.at(normal, moved.nodes, multipliers[0, own][moved.slot] * change * moved.rates)
 
     def linearise(self, chosen: Ints, y: Floats) -> ContactDerivatives:
-        """Shares of both conditions, and what changes with the shares."""
+        """Combine shares of both constraints, with the derivatives of the shares."""
         if not self.corners.moved:
             return self.linear.linearise(chosen, y)
         more, pick = self._with_partners(chosen)
@@ -59,12 +59,12 @@ class TakenLinearisation(Linearisation):
         return ContactDerivatives(normal, tangent, gap, slip, force)
 
     def tangents(self, chosen: Ints) -> Any:
-        """Shares of both."""
+        """Return shares of both tangents."""
         more, pick = self._with_partners(chosen)
         return pick @ self.linear.tangents(more)
 
     def _with_partners(self, chosen: Ints) -> tuple[Ints, Any]:
-        """Multipliers that the chosen ones need, and the matrix (c, needed) of their shares."""
+        """Return multipliers that the chosen multipliers need, and the matrix (c, needed) of their shares."""
         taken = {moved.slot: moved for moved in self.corners.moved}
         needed = np.unique(np.append(chosen, [taken[k].partner for k in chosen if k in taken])).astype(np.int32)
         place = np.searchsorted(needed, chosen)
@@ -78,7 +78,7 @@ class TakenLinearisation(Linearisation):
         return needed, coo_array((value, (row, column)), shape=(len(chosen), len(needed))).tocsr()
 
     def _by_shares(self, chosen: Ints, values: Floats) -> Any:
-        """Derivatives (c, 2N) of values (k,) by the shares of the chosen."""
+        """Return derivatives (c, 2N) of values (k,) by the shares of the chosen multipliers."""
         place = {int(k): c for c, k in enumerate(chosen)}
         taken = [moved for moved in self.corners.moved if moved.slot in place]
         rows = [np.full(6, place[moved.slot]) for moved in taken]
@@ -86,7 +86,7 @@ class TakenLinearisation(Linearisation):
         return self._matrix(rows, [_both(moved.nodes) for moved in taken], changes, len(chosen))
 
     def _force_by_shares(self, y: Floats) -> Any:
-        """What nodal forces (2N, 2N) change as shares pass them from node to node."""
+        """Return derivatives (2N, 2N) of nodal forces by the shares that pass them from node to node."""
         total = self._matrix([], [], [], self.size)
         for moved in self.corners.moved:
             both = np.sort(np.array([moved.slot, moved.partner], np.int32))
@@ -110,5 +110,5 @@ class TakenLinearisation(Linearisation):
 
 
 def _both(nodes: Ints) -> Ints:
-    """Both coordinates of nodes."""
+    """Return both coordinates of nodes."""
     return np.add.outer(2 * nodes, np.arange(2, dtype=np.int32)).ravel()

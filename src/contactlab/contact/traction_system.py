@@ -1,4 +1,4 @@
-"""All contact pairs under a normal law that follows the stress of the cells behind the slave, in load steps."""
+"""All contact pairs under a normal law that depends on the stress of the cells behind the slave, in load increments."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ class Tractions(Protocol):
     """Normal tractions at the slots of a model, by the last update of stresses."""
 
     def values(self) -> Floats:
-        """(k,) [MPa], positive in tension."""
+        """Return (k,) [MPa], positive in tension."""
 
     def derivative(self) -> Any:
-        """(k, 2N) [MPa/mm], sparse."""
+        """Return (k, 2N) [MPa/mm], sparse."""
 
 
 class TractionResponse(PressureResponse):
     """Residuals y_n - length * pressure(gap, traction).
 
     found    (3, k) pressure and its derivatives by the gap and by the traction
-    share    (k,) [mm/MPa] of these derivatives the second over the first: as much does a traction count as a gap does
-             in the row of a condition
-    adjoint  (3, k) [mm] what derivatives of tractions work on, and its derivatives by pressure and traction
+    share    (k,) [mm/MPa] ratio of the second to the first of these derivatives: weight of a traction relative to a gap
+             in the row of a constraint
+    adjoint  (3, k) [mm] factors of the derivatives of tractions, and their derivatives by pressure and traction
     """
 
     def __init__(self, law: NormalLaw, stiffness: Floats, tractions: Tractions) -> None:
@@ -41,7 +41,7 @@ class TractionResponse(PressureResponse):
         self.first = 0.0  # tractions decide where pressures begin; surfaces meet there
 
     def press(self, c: Conditions) -> Flags:
-        """Fill `found` and `share`; which conditions (k,) are closed."""
+        """Fill `found` and `share`. Return which constraints (k,) are closed."""
         closed, (_, slope, by_traction) = super().press(c), self.found
         if np.any(closed & (slope == 0.0) & (by_traction != 0.0)):
             raise WrongAnswer(
@@ -52,7 +52,7 @@ class TractionResponse(PressureResponse):
         return closed
 
     def answer(self, gap: Floats, size: Floats, out: Floats) -> None:
-        """Fill `out` (3, k) as `found` is for gaps and sizes (k,) [mm]."""
+        """Fill `out` (3, k) like `found` for gaps and sizes (k,) [mm]."""
         law: Any = self.law
         law.pressure(gap, self.stiffness, size, out[0], out[1], self.traction, out[2])
 
@@ -64,16 +64,16 @@ class TractionResponse(PressureResponse):
 
 
 class TractionContactSystem(ImplicitContactSystem):
-    """Conditions whose gaps count together with tractions, and forces along the derivatives of tractions.
+    """Constraints whose gaps count together with tractions, and forces along the derivatives of tractions.
 
     The forces are D^T (length * adjoint(y_n / length, traction)) with the derivatives D of the tractions. Second
-    derivatives of tractions are left out of their linearisation: they count as much as pressures differ from tractions.
+    derivatives of tractions are left out: their weight is the difference of pressure and traction.
     """
 
     enforcement: TractionResponse
 
     def evaluate(self, position: Floats) -> None:
-        """Fill `conditions`, tractions and what their derivatives work on."""
+        """Fill `conditions`, tractions and the factors of their derivatives."""
         super().evaluate(position)
         own, c = self.enforcement, self.conditions
         own.traction[:], self._derivative = own.tractions.values(), None
@@ -82,11 +82,11 @@ class TractionContactSystem(ImplicitContactSystem):
 
     @property
     def acts(self) -> bool:
-        """As of every contact, and while tractions alone make forces."""
+        """True as for every contact, and while tractions alone make forces."""
         return super().acts or bool(self.enforcement.adjoint.any())
 
     def forces(self, normal: Floats, tangential: Floats) -> None:
-        """Fill forces of the conditions, and add those along the derivatives of tractions to the normal ones."""
+        """Fill forces of the constraints, and add forces along the derivatives of tractions to the normal forces."""
         super().forces(normal, tangential)
         own = self.enforcement
         own.oppose(self.conditions, self.length)
@@ -95,13 +95,13 @@ class TractionContactSystem(ImplicitContactSystem):
 
     @property
     def derivative(self) -> Any:
-        """Derivatives (k, 2N) [MPa/mm] of tractions at the last `evaluate`, sparse."""
+        """Return derivatives (k, 2N) [MPa/mm] of tractions at the last `evaluate`, sparse."""
         if self._derivative is None:
             self._derivative = self.enforcement.tractions.derivative()
         return self._derivative
 
     def linearise(self, chosen: Ints) -> ContactDerivatives:
-        """Derivatives of the chosen slots; those of gaps and of forces with what tractions add to them."""
+        """Return derivatives of the chosen slots; gaps and forces include the contribution of tractions."""
         found, own = super().linearise(chosen), self.enforcement
         behind, (_, by_pressure, by_traction) = self.derivative, own.adjoint
         found = found._replace(gap=(found.gap + diags_array(own.share[chosen]) @ behind[chosen]).tocsr())

@@ -1,4 +1,4 @@
-"""The work of normal contact forces in every step by what it comes from (docs/theory/contact-energy.md)."""
+"""The work of normal contact forces in every step by its sources (docs/theory/contact-energy.md)."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ if TYPE_CHECKING:
 
 SAVED = "work_split"
 Instant = tuple[Floats, Floats]
-"""Positions (N, 2) [mm], and what an algorithm remembers there (memory_size, m)."""
+"""Positions (N, 2) [mm], and the memory of an algorithm there (memory_size, m)."""
 LEAPFROG = 0.5  # of a step that velocities lag behind positions
 
 
 class WorkSplit:
     """Sums the parts of the contact work of one explicit leapfrog run; `sample` is called after every step.
 
-    work      (4,) [mJ] the `CONTACT_WORK` so far; their sum is the ledger's entry for contact
-    position  (2, N, 2) [mm] where the last step started, and where it ended
+    work      (4,) [mJ] the `CONTACT_WORK` so far; their sum is the contact entry of the energy balance
+    position  (2, N, 2) [mm] at the start and the end of the last step
     velocity  (N, 2) [mm/s] after it; `last_dt` (1,) [s] its length, 0 before the first
     memory    of each pair's algorithm at both positions (2, memory_size, m)
     """
@@ -51,11 +51,11 @@ class WorkSplit:
         ]
 
     def saved(self) -> Mapping[str, Floats]:
-        """What a restart needs."""
+        """Return the arrays for a restart."""
         return {f"{SAVED}.{name}": array.copy() for name, array in self._arrays().items()}
 
     def restore(self, memory: Mapping[str, Floats]) -> None:
-        """Go on from what was `saved`."""
+        """Restore arrays that were `saved`."""
         for name, array in self._arrays().items():
             array[...] = memory[f"{SAVED}.{name}"]
 
@@ -68,7 +68,7 @@ class WorkSplit:
         """Book the step of length dt [s] that has just been made."""
         reached, velocity = self.reference + self.state["displacement"], self.state["velocity"]
         if self.contact.multipliers[0].any():
-            # forces work with the mean velocity: on half of what leads from `before` to the positions reached
+            # forces work with the mean velocity: on half of the path from `before` to the positions reached
             before = reached - 0.5 * (float(self.last_dt[0]) + dt) * (self.velocity + velocity)
             self._book(before, reached)
         self.position[0], self.position[1] = self.position[1], reached
@@ -89,7 +89,7 @@ class WorkSplit:
         closing, step, normals, weights = parts
         step += float(np.vdot(force, left - before))
         if self.contact.consistent:
-            # what these forces have beside frozen rows: the derivatives of normals, and those of weights
+            # additions to frozen rows: the derivatives of normals and of weights
             normals, weights = normals + turned, weights + float(np.vdot(force, moved)) - frozen - turned
         self.work += 0.5 * np.array([closing, step, normals, weights])
 
@@ -101,12 +101,12 @@ class WorkSplit:
         return rows is not None and rows.count > 0 and any(joins)
 
     def _remembered(self, pair: ContactPair, nothing: Floats) -> Floats:
-        """What the pair's algorithm remembers now; `nothing` where it has no memory."""
+        """Return the memory of the pair's algorithm now; `nothing` without a memory."""
         name = f"memory.{pair.name}"
         return self.state[name] if name in self.state else nothing
 
     def _normal_force(self) -> Floats:
-        """Nodal forces (N, 2) [N] of the normal multipliers."""
+        """Return nodal forces (N, 2) [N] of the normal multipliers."""
         rows = self.contact.rows
         if not rows.count or not self.contact.friction:
             return self.state["contact_force"]
@@ -118,7 +118,7 @@ class WorkSplit:
 
 
 def split_work(contact: Any, integrator: Integrator, state: State, reference: Floats, where: Where) -> None:
-    """Let a contact system split its work. Raises SceneError where its steps are not those of a leapfrog scheme."""
+    """Let a contact system split its work. Raises SceneError if the scheme is not leapfrog."""
     if not isinstance(integrator, ExplicitIntegrator) or integrator.velocity_lag != LEAPFROG:
         raise SceneError(
             "the work of contact forces is split in explicit leapfrog steps only",
@@ -135,9 +135,9 @@ def split_work(contact: Any, integrator: Integrator, state: State, reference: Fl
 
 
 class PairSplit:
-    """The parts of one pair whose conditions come finished: its gaps before and after, and the rows of the step.
+    """Work of one pair with finished constraints: its gaps before and after, and the rows of the step.
 
-    twins  pairs like it, with the conditions at these positions of the last steps; those asked for last come last
+    twins  pairs like it, with constraints at these positions of the last steps; recently used pairs come last
     """
 
     def __init__(self, pair: ContactPair, reference: Floats) -> None:
@@ -145,7 +145,7 @@ class PairSplit:
         self.twins = [(np.zeros((0, 2)), twin(pair, reference)) for _ in range(3)]
 
     def parts(self, y: Floats, start: Instant, end: Instant) -> Floats:
-        """Twice the `CONTACT_WORK` (4,) [mJ] by forces y (k,) [N], from positions (N, 2) to others two steps on."""
+        """Return twice the `CONTACT_WORK` (4,) [mJ] by forces y (k,) [N], between positions (N, 2) two steps apart."""
         (before, _), (reached, _), first, last = start, end, self._at(*start), self._at(*end)
         gaps = first.gaps_at(before)[:, 0], last.gaps_at(reached)[:, 0]
         pressed, lone = _known(y, *gaps)
@@ -154,27 +154,27 @@ class PairSplit:
         return np.array([closing, float(y[pressed] @ moved[pressed]) - closing, 0.0, float(y[lone] @ moved[lone])])
 
     def moved(self, motion: Floats) -> Floats:
-        """Change (k,) [mm] of the gaps by a motion (N, 2), by the rows of the step, weights and normals frozen."""
+        """Return the change (k,) [mm] of the gaps by a motion (N, 2), by the frozen rows of the step."""
         origin = np.zeros_like(motion)
         return np.asarray((self.pair.gaps_at(motion) - self.pair.gaps_at(origin))[:, 0])
 
     def frozen(self, y: Floats, motion: Floats) -> float:
-        """Twice the work of forces y (k,) along those rows."""
+        """Return twice the work of forces y (k,) along these rows."""
         pressed = y > 0.0
         return float(y[pressed] @ self.moved(motion)[pressed])
 
     def turned(self, y: Floats, motion: Floats, memory: Floats, *, joined: bool) -> float:
-        """Twice the work along derivatives of normals; `joined` if they are at right angles to all separations."""
+        """Return twice the work along derivatives of normals; `joined` if they are normal to all separations."""
         return 0.0
 
     def _at(self, positions: Floats, memory: Floats) -> ContactPair:
-        """The twin with the conditions at these positions, which are made where none has them yet."""
+        """Return the twin with the constraints at these positions, made on demand."""
         known = next((n for n, (at, _) in enumerate(self.twins) if np.array_equal(at, positions)), None)
         if known is not None:
             self.twins.append(self.twins.pop(known))
             return self.twins[-1][1]
         _, found = self.twins.pop(0)
-        # a search of its own for each: conditions do not depend on what was asked for before, or before a restart
+        # a search of its own for each: constraints do not depend on earlier calls, or calls before a restart
         found.find_near(positions[found.slave.nodes], positions[found.master.nodes])
         found.update(positions, memory.copy())
         self.twins.append((positions.copy(), found))
@@ -182,9 +182,9 @@ class PairSplit:
 
 
 class OperatorSplit(PairSplit):
-    """The parts of one pair whose algorithm gives operators: normals and weights are told apart.
+    """Work of one pair whose algorithm gives operators: normals and weights are distinguished.
 
-    rows_at  where in the motion that forces work on rows belong: 0.5, its middle (consistent forces); 1.0, its end
+    rows_at  point of the motion that rows belong to: 0.5, its middle (consistent forces); 1.0, its end
     """
 
     pair: OperatorPair
@@ -196,7 +196,7 @@ class OperatorSplit(PairSplit):
         self.rows_at = 0.5 if consistent else 1.0
 
     def parts(self, y: Floats, start: Instant, end: Instant) -> Floats:
-        """As `PairSplit.parts`."""
+        """Return the work as in `PairSplit.parts`."""
         (before, _), (reached, _), first, last = start, end, self._operators(*start), self._operators(*end)
         at, then = self._sides(before), self._sides(reached)
         (r0, g0), (r1, g1) = _separations(first, at), _separations(last, then)
@@ -210,16 +210,16 @@ class OperatorSplit(PairSplit):
         weights = _dot(row, late * (ahead - r0) + (1.0 - late) * (r1 - back))
         step = change - _dot(row, late * (r1 - ahead) + (1.0 - late) * (back - r0))
         of_pressed = [float(y[pressed] @ part[pressed]) for part in (closing, step, -normals, -weights)]
-        # conditions that were not there before or are not there after came or went with their weights
+        # constraints that appeared or vanished did so with their weights
         of_pressed[-1] += float(y[lone] @ change[lone])
         return np.array(of_pressed)
 
     def moved(self, motion: Floats) -> Floats:
-        """As `PairSplit.moved`."""
+        """Return the change as in `PairSplit.moved`."""
         return _dot(self.pair.normals, _separations(self.pair, self._sides(motion))[0])
 
     def turned(self, y: Floats, motion: Floats, memory: Floats, *, joined: bool) -> float:
-        """As `PairSplit.turned`."""
+        """Return the work as in `PairSplit.turned`."""
         if joined:
             return 0.0
         found = self.gradients.found(memory)
@@ -238,14 +238,14 @@ class OperatorSplit(PairSplit):
 
 
 def _separations(pair: OperatorPair, at: SurfacePositions) -> tuple[Floats, Floats]:
-    """Separations (k, 2) [mm] of surfaces at these positions by the pair's weights, and gaps (k,)."""
+    """Return separations (k, 2) [mm] of surfaces at these positions by the pair's weights, and gaps (k,)."""
     separation, gaps = np.zeros((pair.slots, 2)), np.full((pair.slots, 2), FAR)
     pair.separations(at, pair.normals, separation, gaps)
     return separation, gaps[:, 0]
 
 
 def _known(y: Floats, *gaps: Floats) -> tuple[Flags, Flags]:
-    """Conditions with a force that are there at both ends of a motion, and those with a force that are not."""
+    """Return constraints with a force that exist at both ends of a motion, and constraints with a force that do not."""
     there = np.all([gap < FAR for gap in gaps], axis=0)
     return (y > 0.0) & there, (y > 0.0) & ~there
 

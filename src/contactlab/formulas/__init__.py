@@ -1,1 +1,1 @@
-"""Templates of kernels, in which formulas of parts are put."""
+"""Templates of kernels, which formulas of plugins complete."""

@@ -1,4 +1,4 @@
-"""Loops over the points of a block, in which the formulas of a law are put."""
+"""Loops over the points of a block, completed by the formulas of a law."""
 
 from __future__ import annotations
 
@@ -13,32 +13,32 @@ FORMULA, MEASURE, MEMORY, STORED, PARAMETERS = slots("FORMULA", "MEASURE", "MEMO
 
 @point
 def finite(a, b, c, d):
-    """F from the rows of its inverse."""
+    """Return F from the rows of its inverse."""
     scale = 1.0 / (a * d - b * c)
     return Tensor(d * scale, -b * scale, -c * scale, a * scale, 1.0)
 
 
 @point
 def small(a, b, c, d):
-    """Gradients in rate form and of small displacements are what they are."""
+    """Return gradients in rate form and of small displacements unchanged."""
     return Tensor(a, b, c, d, 0.0)
 
 
 @point
 def nothing(history, number):
-    """The memory of a law without."""
+    """Return the memory of a law without memory."""
     return ()
 
 
 @point
 def remembered(history, number):
-    """The memory of a point."""
+    """Return the memory of a point."""
     return column(history, number, STORED)
 
 
 @kernel
 def stress(gradient, stress, values):
-    """Stress rows of a law without history."""
+    """Fill stress rows of a law without history."""
     p = column(values, 0, PARAMETERS)
     a, b, c, d = gradient[0], gradient[1], gradient[2], gradient[3]
     xx, yy, zz, xy = stress[0], stress[1], stress[2], stress[3]
@@ -49,7 +49,7 @@ def stress(gradient, stress, values):
 
 @kernel
 def step(gradient, stress, values, history, dt):
-    """Stress rows and the new history, in place of the old one."""
+    """Fill stress rows, and replace the history by the new one."""
     p = column(values, 0, PARAMETERS)
     a, b, c, d = gradient[0], gradient[1], gradient[2], gradient[3]
     xx, yy, zz, xy = stress[0], stress[1], stress[2], stress[3]
@@ -61,7 +61,7 @@ def step(gradient, stress, values, history, dt):
 
 @kernel
 def tangent(gradient, history, dt, tangent, values):
-    """d(stress row)/d(gradient row)."""
+    """Fill d(stress row)/d(gradient row)."""
     p = column(values, 0, PARAMETERS)
     for i in range(gradient.shape[1]):
         measure = MEASURE(
@@ -80,7 +80,7 @@ def tangent(gradient, history, dt, tangent, values):
 
 @kernel
 def density(gradient, history, out, values):
-    """A number per volume."""
+    """Fill a number per volume."""
     p = column(values, 0, PARAMETERS)
     for i in range(gradient.shape[1]):
         measure = MEASURE(gradient[0, i], gradient[1, i], gradient[2, i], gradient[3, i])

@@ -1,11 +1,11 @@
-"""Laws from formulas: stress, tangent, energy and wave speeds of a material.
+"""Material models (laws) from formulas: stress, tangent, energy and wave speeds.
 
-A law's formulas name what they want to know:
+A law's formulas name their inputs:
 
     F       deformation gradient, a `Tensor` with zz = 1: the law is "finite"
     H       displacement gradient du/dX, a `Tensor` with zz = 0: the law is "small"
     G       gradient of the displacement increment at the middle of the step: the law is of "rate" form
-    history what the law remembers, named by `history_names`: of the last accepted step where `stress` is asked for
+    history memory of the law, named by `history_names`: at the last accepted step when `stress` is called
     dt      length of the step [s]
     p       the numbers among the fields of the law, and names in its `needs`
 
@@ -33,7 +33,7 @@ from contactlab.formulas.parameters import parameters_of, values_of
 
 
 class _Kernels:
-    """The kernels of one class of laws, each made when it is first called."""
+    """The kernels of one class of laws, each made at its first call."""
 
     def __init__(self, kind: type[Material]) -> None:
         self.kind, self.formulas = kind, formulas_of(kind)
@@ -63,7 +63,7 @@ class _Kernels:
         return self._made(points.density, "dissipation")
 
     def called(self, name: str) -> Any:
-        """The formula, called with all that a law's formula may ask for; a stress without history gets an empty one."""
+        """Return the formula, called with all inputs of a law's formula; a stress without history gets an empty one."""
         found = self.formulas[name]
         rows = {"position": "Vector(history.x, history.y)"}
         needs = {need: rows.get(need, f"history.{need}") for need in self.kind.needs}
@@ -75,7 +75,7 @@ class _Kernels:
         return names["law"]
 
     def given(self, name: str) -> dict[Slot, Any]:
-        """What is put into templates for a formula."""
+        """Return values of the template slots for a formula."""
         return {
             points.FORMULA: self.called(name),
             points.MEASURE: points.finite if self.kind.kinematics == "finite" else points.small,
@@ -110,7 +110,7 @@ _bound: dict[int, _Bound] = {}
 
 
 def _of(law: Material) -> _Bound:
-    """What belongs to a law, as long as it lives."""
+    """Return the bound kernels of a law, kept as long as it lives."""
     found = _bound.get(id(law))
     if found is None:
         found = _bound[id(law)] = _Bound(law)
@@ -119,7 +119,7 @@ def _of(law: Material) -> _Bound:
 
 
 def stress(law: Material, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
-    """`Material.stress`."""
+    """Implement `Material.stress`."""
     bound = _of(law)
     if not bound.remembers:
         bound.stress(gradient, stress, bound.values)
@@ -132,32 +132,32 @@ def stress(law: Material, gradient: Floats, history: Floats, dt: float, stress: 
 def stress_in_python(
     law: Material, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats
 ) -> None:
-    """The same by formulas that are not compiled."""
+    """Compute `stress` by formulas that are not compiled."""
     bound = _of(law)
     new_history[:] = history
     copied(points.step, bound.kernels.given("stress"))(gradient, stress, bound.values, new_history, dt)
 
 
 def tangent(law: Material, gradient: Floats, history: Floats, dt: float, tangent: Floats) -> None:
-    """`Material.tangent`."""
+    """Implement `Material.tangent`."""
     bound = _of(law)
     bound.kernels.tangent(gradient, history, dt, tangent, bound.values)
 
 
 def energy(law: Material, gradient: Floats, history: Floats, energy: Floats) -> None:
-    """`Material.energy`."""
+    """Implement `Material.energy`."""
     bound = _of(law)
     bound.kernels.energy(gradient, history, energy, bound.values)
 
 
 def dissipation(law: Material, gradient: Floats, history: Floats, dissipation: Floats) -> None:
-    """`Material.dissipation`."""
+    """Implement `Material.dissipation`."""
     bound = _of(law)
     bound.kernels.dissipation(gradient, history, dissipation, bound.values)
 
 
 def wave_speeds(law: Material) -> tuple[float, float]:
-    """`Material.wave_speeds`, from the derivative of the stress at rest; points.nothing is compiled for it."""
+    """Implement `Material.wave_speeds`, by the derivative of the stress at rest; compiles only points.nothing."""
     kernels, values = _of(law).kernels, _of(law).values
     finite = law.kinematics == "finite"
     a, b, c, d = seeds([1.0, 0.0, 0.0, 1.0] if finite else [0.0] * 4)

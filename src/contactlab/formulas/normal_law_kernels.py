@@ -1,4 +1,4 @@
-"""Loops over conditions in which the formulas of a normal law are put."""
+"""Loops over constraints, completed by the formulas of a normal law."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ FORMULA, PARAMETERS, NAMED = slots("FORMULA", "PARAMETERS", "NAMED")
 
 @kernel
 def pressure(gap, stiffness, size, pressure, slope, values):
-    """Pressure and its derivative by the gap."""
+    """Fill the pressure and its derivative by the gap."""
     p = column(values, 0, PARAMETERS)
     for i in range(gap.size):
         found = FORMULA(seed(gap[i], 0, 4), stiffness[i], size[i], p)
@@ -22,7 +22,7 @@ def pressure(gap, stiffness, size, pressure, slope, values):
 
 @kernel
 def pressure_of_named(gap, stiffness, size, pressure, slope, rows, values):
-    """As `pressure`, of a law that needs or remembers numbers: `rows` of a condition."""
+    """Fill `pressure` for a law that needs or remembers numbers: `rows` of a constraint."""
     p = column(values, 0, PARAMETERS)
     for i in range(gap.size):
         found = FORMULA(seed(gap[i], 0, 4), stiffness[i], size[i], p, column(rows, i, NAMED))
@@ -32,7 +32,7 @@ def pressure_of_named(gap, stiffness, size, pressure, slope, rows, values):
 
 @kernel
 def evolve(gap, pressure, stiffness, size, out, rows, values):
-    """Memory after a step."""
+    """Compute memory after a step."""
     p = column(values, 0, PARAMETERS)
     for i in range(gap.size):
         put_column(out, i, FORMULA(gap[i], pressure[i], stiffness[i], size[i], p, column(rows, i, NAMED)))
@@ -40,7 +40,7 @@ def evolve(gap, pressure, stiffness, size, out, rows, values):
 
 @kernel
 def with_traction(first, stiffness, size, result, by_first, traction, by_traction, values):
-    """A formula of two numbers, as gap or pressure and the traction, and its derivatives by both."""
+    """Evaluate a formula of two numbers, as gap or pressure and the traction, and its derivatives by both."""
     p = column(values, 0, PARAMETERS)
     for i in range(first.size):
         found = FORMULA(seed(first[i], 0, 4), seed(traction[i], 1, 4), stiffness[i], size[i], p)

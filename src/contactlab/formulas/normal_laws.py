@@ -1,4 +1,4 @@
-"""Normal laws from formulas: pressure and slope of all conditions."""
+"""Normal laws from formulas: pressure and slope of all constraints."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ _BEHIND = ("stiffness", "size", "p")
 
 
 def pressure(law: NormalLaw, *arrays: Floats, **named: Any) -> None:
-    """`NormalLaw.pressure`."""
+    """Implement `NormalLaw.pressure`."""
     _kernel(type(law), "pressure", ("gap",))(*arrays, *_rows(law, arrays[0], named), values_of(law))
 
 
 def adjoint(law: NormalLaw, *arrays: Floats) -> None:
-    """`NormalLaw.adjoint`."""
+    """Implement `NormalLaw.adjoint`."""
     _kernel(type(law), "adjoint", ("pressure",))(*arrays, values_of(law))
 
 
 def evolve(
     law: NormalLaw, gap: Floats, pressure: Floats, stiffness: Floats, size: Floats, **named: Any
 ) -> dict[str, Floats]:
-    """`NormalLaw.evolve`."""
+    """Implement `NormalLaw.evolve`."""
     out = np.zeros((len(law.memory), len(gap)))
     kernel = _kernel(type(law), "evolve", ("gap", "pressure"))
     kernel(gap, pressure, stiffness, size, out, *_rows(law, gap, named), values_of(law))
@@ -39,7 +39,7 @@ def evolve(
 
 
 def _rows(law: NormalLaw, gap: Floats, named: dict[str, Any]) -> tuple[Floats, ...]:
-    """An array (r, k) of all that a law needs and remembers; none for a law of the gap alone."""
+    """Return an array (r, k) of all that a law needs and remembers; none for a law of the gap alone."""
     if not named:
         return ()
     values = [row for name in law.named() for row in (named[name].T if name == "position" else (named[name],))]
@@ -48,7 +48,7 @@ def _rows(law: NormalLaw, gap: Floats, named: dict[str, Any]) -> tuple[Floats, .
 
 @cache
 def _kernel(kind: type[NormalLaw], name: str, first: tuple[str, ...]) -> Any:
-    """The loop for a formula that is differentiated by the numbers `first` and by a traction that the law needs."""
+    """Return the loop of a formula differentiated by the numbers `first`, and by a traction if the law needs it."""
     found = formulas_of(kind)
     formula, given = found[name], (*first, *_BEHIND)
     named = kind.named()

@@ -1,4 +1,4 @@
-"""The parameters p of formulas: the numbers among the fields of a part."""
+"""The parameters p of formulas: the numbers among the fields of a plugin component."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ _NUMBERS |= {str(kind) for kind in (float, int, bool)}
 
 @cache
 def numbers_of(kind: type) -> tuple[str, ...]:
-    """Names of the fields that hold a number."""
+    """Return names of the fields that hold a number."""
     return tuple(field.name for field in fields(kind) if str(field.type) in _NUMBERS)
 
 
 @cache
 def parameters_of(kind: type) -> Any:
-    """A named tuple of them."""
+    """Return the named tuple class of these fields."""
     return namedtuple("Parameters", numbers_of(kind))
 
 
 def values_of(part: Any) -> Floats:
-    """The numbers (n, 1) of a part; nan for None."""
+    """Return the numbers (n, 1) of a plugin component; NaN for None."""
     values = [getattr(part, name) for name in numbers_of(part.__class__)]
     return np.array([np.nan if x is None else float(x) for x in values]).reshape(-1, 1)

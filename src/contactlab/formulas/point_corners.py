@@ -1,7 +1,7 @@
 """Corners and ends of the master as points that stay outside the slave's segments.
 
-A node of the slave that lies on a flank beside a corner is pressed along the flank's normal, and friction leans with
-it; a corner between two nodes is not held at all. So where no flank of a corner leads into the slave, the corner itself
+A node of the slave on a flank near a corner is pressed along the flank's normal, and friction leans with
+it; a corner between two nodes is not held at all. So if no flank of a corner leads into the slave, the corner itself
 is pressed along the normal of the slave's segment. So is the deepest vertex of an arc that turns within a segment:
 between two nodes it would sink in by an eighth of the segment times its turn, and the next node would catch behind it.
 All sections work on a `Points` table t; v is the corner.
@@ -14,24 +14,24 @@ from contactlab.formulas.point_pieces import EDGE, LEAVE
 from contactlab.formulas.segment_normals import node
 
 CORNER = 0.5  # sine by which a master turns outward at a corner
-ARC = 0.42  # the same of an arc, over a slave segment; from 0.25 on rims of dented masters would count
+ARC = 0.42  # sine of the turn of an arc, over a slave segment; from 0.25 on rims of dented masters would count
 WITHIN = 0.99  # slave segments: in meshes that match, each segment of the slave sees one vertex
 RISE = -0.05
-CLOSE = 0.05  # of a segment: a slave node so near to a corner holds nothing beside it
+CLOSE = 0.05  # of a segment: a slave node this near a corner has no further constraint
 
 
 @point
 def _turns(one, other, least):
-    """Whether a surface turns outward between two normals by more than the sine `least`."""
+    """Return whether a surface turns outward between two normals by more than the sine `least`."""
     turn = one.cross(other)
     return turn > least or (turn > 0.0 and one @ other < 0.0)
 
 
 @section
 def _rounded(t, v, one, other, s):
-    """Whether node v is the deepest of an arc that turns within the length of slave segment s as a corner does.
+    """Return whether node v is the deepest of an arc that turns like a corner within the length of slave segment s.
 
-    Two neighbours are, where what joins them is parallel to the segment up to a quarter of a turn.
+    Two neighbours are, if their connection is parallel to the segment up to a quarter of a turn.
     """
     surface, facing, tie = t.sides.master, node(t.slave_normal, s), -min(-RISE, 0.25 * one.cross(other))
     if not (facing.cross(one) >= tie and other.cross(facing) >= tie):
@@ -51,7 +51,7 @@ def _rounded(t, v, one, other, s):
 
 @section
 def _is_corner(t, v, s):
-    """Whether the master ends or turns outward at its node v, seen from slave segment s."""
+    """Return whether the master ends or turns outward at its node v, seen from slave segment s."""
     before, after = t.sides.master.node_segments[v, 0], t.sides.master.node_segments[v, 1]
     if before < 0 or after < 0:
         return True
@@ -61,17 +61,17 @@ def _is_corner(t, v, s):
 
 @point
 def _outside(t, s, v):
-    """How far [mm] master node v lies outside slave segment s."""
+    """Return the distance [mm] of master node v outside slave segment s."""
     a = t.sides.slave.segments[s, 0]
     return (node(t.sides.at.master, v) - node(t.sides.at.slave, a)) @ node(t.slave_normal, s)
 
 
 @point
 def _within(t, s, side, z):
-    """How far, in lengths of slave segment s, corner `z` = (v, m) must lie within its end (0 or 1).
+    """Return the least distance of corner `z` = (v, m) from an end (0 or 1) of slave segment s, in its lengths.
 
-    Where slave and master end, the last node of the slave is held to as far beyond master segment m: sides that end at
-    one place would change between both with every correction.
+    If slave and master both end, it is the distance beyond master segment m up to which the last slave node is held:
+    sides with coincident ends would otherwise switch with every correction.
     """
     v, m = z
     ends = t.sides.slave.node_segments[t.sides.slave.segments[s, side], side] < 0
@@ -82,7 +82,7 @@ def _within(t, s, side, z):
 
 @section
 def _rises(t, s, v, gap):
-    """Whether the flanks of corner v face slave segment s in the mean and lead away from it."""
+    """Return whether the flanks of corner v face slave segment s on average and lead away from it."""
     facing = 0.0
     for side in range(2):
         m = t.sides.master.node_segments[v, side]
@@ -96,9 +96,9 @@ def _rises(t, s, v, gap):
 
 @section
 def find_corners(t, reach, depth):
-    """The slave segment that each corner of the master presses on; whether there is any.
+    """Find the slave segment that each corner of the master presses on. Return whether there is any.
 
-    Marks in `t.carried` the nodes that a corner is close to.
+    Marks in `t.carried` the nodes near a corner.
     """
     for v in range(t.corner_on.size):
         t.corner_on[v] = -1
@@ -132,7 +132,7 @@ def find_corners(t, reach, depth):
 
 @section
 def put_corners(t, count, taken):
-    """Write the pieces of corners from `count` on; returns the next. `taken` (m,) marks nodes with two conditions."""
+    """Write the pieces of corners from `count` on. Return the next. `taken` (m,) marks nodes with two constraints."""
     out, m = t.out, t.sides.at.slave.shape[0]
     for i in range(m):
         t.carried[i] = 0
@@ -167,8 +167,8 @@ def put_corners(t, count, taken):
 
 @point
 def stands_for(t, i, m, v):
-    """Whether a corner that presses on the slave stands for what holds node i.
+    """Return whether a corner that presses on the slave replaces the contact of node i.
 
-    It is close to the node, which master segment m holds, or, where m is negative, vertex v.
+    It is near the node, which is in contact with master segment m, or, if m is negative, vertex v.
     """
     return t.corner_on[v] >= 0 if m < 0 else t.carried[i] > 0

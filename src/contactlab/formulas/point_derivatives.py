@@ -1,7 +1,7 @@
-"""How pieces at points, and their normals, change with the positions of nodes, by dual numbers.
+"""Derivatives of pieces at points, and of their normals, by node positions, with dual numbers.
 
-A piece is its weight times shape functions at the foot. Its weight follows from lengths of slave segments, the foot
-from the point, its normal and the nodes of the master segment or edge: ten quantities, which the core chains to nodes.
+A piece is its weight times shape functions at the projection. The weight depends on lengths of slave segments, the
+projection on the point, its normal and the nodes of the master segment or edge: ten quantities, chained to nodes.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from contactlab.formulas.tables import DerivedPoints, Points, TurnedPoints
 
 MOST_NODES = 16  # of a piece: the slave's edges on both sides of a node with their neighbours, and the master's edge
 WEIGHT, PLACE = 0, 1
-"""What of a piece changes: the logarithm of its weight; eta of its foot, or xi of a corner in its slave segment."""
+"""Variables of a piece: the logarithm of its weight; eta of its projection, or xi of a corner in its slave segment."""
 
 
 # --- normals ----------------------------------------------------------------------------------------------------------
@@ -29,7 +29,7 @@ WEIGHT, PLACE = 0, 1
 
 @point
 def three(one, a, two, b, other, c):
-    """Nodes a, b and c of three arrays of positions as dual numbers by their six coordinates."""
+    """Return nodes a, b and c of three arrays of positions as dual numbers by their six coordinates."""
     return (
         Vector(seed(one[a, 0], 0, 8), seed(one[a, 1], 1, 8)),
         Vector(seed(two[b, 0], 2, 8), seed(two[b, 1], 3, 8)),
@@ -39,11 +39,11 @@ def three(one, a, two, b, other, c):
 
 @section
 def direction(t, p, nodes):
-    """The normal of piece p of a node, by coordinates of up to three `nodes` (3,), which it names, -1 for none."""
+    """Return the normal of piece p of a node, by coordinates of up to three `nodes` (3,), filled in, -1 for none."""
     view, out = t.sides, t.out
     x, y, shift = view.at.slave, view.at.master, view.at.slave.shape[0]
     q, holder = out.segment[p, 0], out.segment[p, 1]
-    if q < 0:  # a corner: against the normal of the slave's segment
+    if q < 0:  # a corner: opposite to the normal of the slave's segment
         i, j = view.slave.segments[-1 - q, 0], view.slave.segments[-1 - q, 1]
         nodes[0], nodes[1], nodes[2] = i, j, -1
         a, b, _ = three(x, i, x, j, x, i)
@@ -71,7 +71,7 @@ def direction(t, p, nodes):
 
 @kernel
 def normals(bound, count, normal):
-    """Normals (multipliers, 2) of the first `count` pieces of nodes where the surfaces of a `Points` are."""
+    """Fill normals (multipliers, 2) of the first `count` pieces of nodes at the surfaces of a `Points`."""
     t, nodes = unpack(bound, Points), np.empty(3, np.int64)
     measure(t)
     for p in range(count):
@@ -81,7 +81,7 @@ def normals(bound, count, normal):
 
 @section
 def put_turns(t, p, nodes, to, e):
-    """Derivatives of the normal of piece p from entry e on; returns the next."""
+    """Write derivatives of the normal of piece p from entry e on. Return the next."""
     found = direction(t, p, nodes)
     x, y = derivatives(found.x, 6), derivatives(found.y, 6)
     for q in range(6):
@@ -94,7 +94,7 @@ def put_turns(t, p, nodes, to, e):
 
 @section
 def put_own_turns(t, p, to, e):
-    """Derivatives of the normal of the slave's segment at piece p of a Gauss point from entry e on; the next one."""
+    """Write derivatives of the normal of the slave's segment at Gauss piece p from entry e on. Return the next."""
     x, s = t.sides.at.slave, t.out.segment[p, 0] // max(POINTS, 1)
     i, j = t.sides.slave.segments[s, 0], t.sides.slave.segments[s, 1]
     a, b, _ = three(x, i, x, j, x, i)
@@ -109,7 +109,7 @@ def put_own_turns(t, p, to, e):
 
 @kernel
 def turns(bound, count):
-    """Derivatives of the normals of the first `count` pieces of nodes, with all feet where they are; their number."""
+    """Write derivatives of normals of the first `count` pieces of nodes, at fixed projections. Return their number."""
     table, nodes, e = unpack(bound, TurnedPoints), np.empty(3, np.int64), 0
     measure(table.points)
     for p in range(count):
@@ -117,12 +117,12 @@ def turns(bound, count):
     return e
 
 
-# --- what a piece depends on ------------------------------------------------------------------------------------------
+# --- dependence of a piece on nodes -----------------------------------------------------------------------------------
 
 
 @section
 def place_of(nodes, node):
-    """Where a node is among those found, nodes[0] of them, or is put."""
+    """Return the index of a node among the nodes[0] found nodes; append it if missing."""
     z = 1
     while z <= nodes[0] and nodes[z] != node:
         z += 1
@@ -133,7 +133,7 @@ def place_of(nodes, node):
 
 @section
 def add_length(t, s, share, nodes, factors):
-    """Add what `share` [1/mm] of the length of slave segment s gives the logarithm of the weight."""
+    """Add the derivative of the logarithm of the weight by `share` [1/mm] of the length of slave segment s."""
     i, j = t.sides.slave.segments[s, 0], t.sides.slave.segments[s, 1]
     along = node(t.sides.at.slave, j) - node(t.sides.at.slave, i)
     along = (share / t.slave_length[s]) * along
@@ -145,7 +145,7 @@ def add_length(t, s, share, nodes, factors):
 
 @section
 def add_weight(t, q, nodes, factors):
-    """Of the length that a point stands for: of node q, or of the Gauss point q."""
+    """Add the derivative of the length of a point: node q, or Gauss point q."""
     surface = t.sides.slave
     for side in range(2):
         s, share, halves = surface.node_segments[q, side] if POINTS == 0 else q // max(POINTS, 1), 0.5, 1
@@ -164,7 +164,7 @@ def add_weight(t, q, nodes, factors):
 
 @section
 def add_average(t, i, share, rates, nodes, factors):
-    """Of the averaged normal of slave node i, which is `share` of that of the point."""
+    """Add the derivative of the averaged normal of slave node i, a `share` of the point's normal."""
     before, after = neighbours(i, t.sides.slave)
     normal = edge_between(t.sides.at.slave, before, after).turned().unit()
     x, y = derivatives(normal.x, 4), derivatives(normal.y, 4)
@@ -175,7 +175,7 @@ def add_average(t, i, share, rates, nodes, factors):
 
 @section
 def found_point(t, q, xi):
-    """Point q of the slave."""
+    """Return point q of the slave."""
     if POINTS == 0:
         return SlavePoint(node(t.sides.at.slave, q), node(t.outward, q))
     return gauss_point(t, q // max(POINTS, 1), xi)
@@ -183,7 +183,7 @@ def found_point(t, q, xi):
 
 @section
 def foot_rates(t, p, rates):
-    """What eta of the foot of piece p changes with ten quantities: the point, its normal, three nodes of the master."""
+    """Compute the derivative of eta of piece p by ten quantities: the point, its normal, three master nodes."""
     view, out = t.sides, t.out
     q, at, fields = out.segment[p, 0], view.at.master, PARAMETERS(t.numbers)
     x = found_point(t, q, out.ends[p, 0])
@@ -206,7 +206,7 @@ def foot_rates(t, p, rates):
 
 @section
 def add_foot(t, p, rates, nodes, factors):
-    """Of the foot of piece p."""
+    """Add the derivative of the projection of piece p."""
     view, out = t.sides, t.out
     foot_rates(t, p, rates)
     q, shift = out.segment[p, 0], view.at.slave.shape[0]
@@ -239,7 +239,7 @@ def add_foot(t, p, rates, nodes, factors):
 
 @section
 def add_corner(t, p, nodes, factors):
-    """Of the place of a corner of the master in the slave segment that it presses on."""
+    """Add the derivative of the position of a master corner in the slave segment that it presses on."""
     view, out = t.sides, t.out
     i, j, v = out.slave[p, 0], out.slave[p, 1], out.master[p, 0]
     a, b, c = three(view.at.slave, i, view.at.slave, j, view.at.master, v)
@@ -251,7 +251,7 @@ def add_corner(t, p, nodes, factors):
 
 @section
 def put_changes(t, p, to, e, c, weight, place):
-    """Entry e: what piece p changes with a coordinate that its weight and its place change with so much."""
+    """Write entry e: the derivative of piece p by a coordinate, by changes of its weight and its place."""
     out, corner, s = t.out, t.out.segment[p, 0] < 0, t.out.ends[p, 1]
     for i in range(out.slave.shape[1]):
         to.slave[e, i] = out.slave[p, i]
@@ -280,7 +280,7 @@ def put_changes(t, p, to, e, c, weight, place):
 
 @section
 def put_rolls(t, p, nodes, factors, to, e):
-    """Derivatives of the normal of a quadratic edge as the foot of piece p moves along it, from entry e on."""
+    """Write derivatives of a quadratic edge's normal as the projection of piece p moves along it, from entry e on."""
     at, held, s = t.sides.at.master, t.out.master, t.out.ends[p, 1]
     a, b, middle = node(at, held[p, 0]), node(at, held[p, 1]), node(at, held[p, 2])
     found = parabola(a, b, middle, seed(s, 0, 4))[1].turned().unit()
@@ -296,7 +296,7 @@ def put_rolls(t, p, nodes, factors, to, e):
 
 @kernel
 def piece_derivatives(bound, count):
-    """Derivatives of the first `count` pieces and of the normals; returns the numbers of entries of both."""
+    """Write derivatives of the first `count` pieces and of the normals. Return the numbers of entries of both."""
     table, e, turned = unpack(bound, DerivedPoints), 0, 0
     t, to = table.points, table.changes
     measure(t)

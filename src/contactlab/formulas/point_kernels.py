@@ -1,4 +1,4 @@
-"""Contact at points: which segment or vertex of the master holds each node, or Gauss point, of the slave.
+"""Contact at points: the master segment or vertex in contact with each node, or Gauss point, of the slave.
 
 Slots as in `point_pieces` and PARAMETERS and FIELDS as in `segment_kernels`; HOLD, `hold_nodes` or `hold_gauss_points`.
 """
@@ -20,7 +20,7 @@ from contactlab.formulas.segment_normals import inward_normals, node, turn_norma
 from contactlab.formulas.tables import Points
 
 (HOLD,) = slots("HOLD")
-FLANK = 0.2  # cosine: the gap of a Gauss point counts along the slave's normal, across the way to the foot none is left
+FLANK = 0.2  # cosine: the gap of a Gauss point counts along the slave's normal, unlike its projection
 HYSTERESIS = 1.02  # a new segment must be nearer by this factor: stops flicker at corners
 
 
@@ -29,10 +29,10 @@ HYSTERESIS = 1.02  # a new segment must be nearer by this factor: stops flicker 
 
 @kernel
 def node_lengths(positions, surface, lengths, out):
-    """Length [mm] of each slave node: half of its edges, or 1/6, 4/6 and 1/6 of a quadratic one.
+    """Compute the length [mm] of each slave node: half of its edges, or 1/6, 4/6 and 1/6 of a quadratic edge.
 
-    These are the integrals of the edge's own shape functions: what a constant pressure gives its nodes. `surface` is a
-    `SurfaceTable`, `lengths` (s,) [mm] are those of its segments.
+    These are the integrals of the edge's own shape functions: the nodal weights of a constant pressure. `surface` is a
+    `SurfaceTable`, `lengths` (s,) [mm] belong to its segments.
     """
     edges, segment_edge = surface.edges, surface.segment_edge
     if edges.shape[1] == 2:
@@ -50,7 +50,7 @@ def node_lengths(positions, surface, lengths, out):
 
 @section
 def measure(t):
-    """Normals and lengths of both surfaces; returns the longest segment of either [mm]."""
+    """Compute normals and lengths of both surfaces. Return the longest segment of both [mm]."""
     slave, master, at = t.sides.slave, t.sides.master, t.sides.at
     segment_normals(at.slave, slave.segments, t.slave_normal, t.slave_length)
     nodal_normals(slave.node_segments, t.slave_normal, t.slave_length, t.outward)
@@ -66,7 +66,7 @@ def measure(t):
 
 @section
 def gauss_point(t, s, xi):
-    """The point at xi of slave segment s, on its parabola where edges are quadratic."""
+    """Return the point at xi of slave segment s, on its parabola if edges are quadratic."""
     surface, at = t.sides.slave, t.sides.at.slave
     edge, half, nodes = surface.segment_edge[s, 0], surface.segment_edge[s, 1], surface.edges.shape[1]
     i, j = surface.segments[s, 0], surface.segments[s, 1]
@@ -82,9 +82,9 @@ def gauss_point(t, s, xi):
 
 @section
 def _beyond(t, m, side, s):
-    """How far a point of slave segment s may project beyond an end (0 or 1) of master segment m, in lengths of m.
+    """Return how far a point of slave segment s may project beyond end 0 or 1 of master segment m, in lengths of m.
 
-    A node beyond the end in a sharp valley has sunk into the next segment: it may be as far as beside a free end.
+    A node beyond the end in a sharp valley has sunk into the next segment: it has the same limit as at a free end.
     """
     surface = t.sides.master
     other = surface.node_segments[surface.segments[m, side], side]
@@ -96,7 +96,7 @@ def _beyond(t, m, side, s):
 
 @section
 def nearest_segment(t, x, q, s, last, best, reach, depth, p):
-    """The nearer of `best` (segment, eta, distance) and what point q projects onto near slave segment s."""
+    """Return the nearer of `best` (segment, eta, distance) and the projection of point q near slave segment s."""
     view, (found, share, nearest) = t.sides, best
     for z in range(view.near.start[s], view.near.start[s + 1]):
         m = view.near.master[z]
@@ -115,9 +115,9 @@ def nearest_segment(t, x, q, s, last, best, reach, depth, p):
 
 @section
 def nearest_vertex(t, x, s, best, reach, p):
-    """The nearer of `best` (vertex, distance) and the vertices between two segments near slave segment s.
+    """Return the nearer of `best` (vertex, distance) and the vertices between two segments near slave segment s.
 
-    Only a point beyond both segments is held by the vertex between them.
+    Only a point beyond both segments is in contact with the vertex between them.
     """
     view, (found, nearest) = t.sides, best
     for z in range(view.near.start[s], view.near.start[s + 1]):
@@ -135,7 +135,7 @@ def nearest_vertex(t, x, s, best, reach, p):
         if POINTS > 0 and abs(x.normal @ between) < FLANK * distance:
             continue
         if not (foot(t, x, before, p)[1] >= 1.0 - EDGE and foot(t, x, after, p)[1] <= EDGE):
-            continue  # beside an end of the chain, or on a flank that does not face the point
+            continue  # next to an end of the chain, or on a flank that does not face the point
         found, nearest = v, distance
     return found, nearest
 
@@ -145,7 +145,7 @@ def nearest_vertex(t, x, s, best, reach, p):
 
 @section
 def hold_nodes(t, reach, depth, p):
-    """Pieces of all slave nodes, and of the corners of the master; their number, and that all normals are their own."""
+    """Write pieces of all slave nodes and of master corners. Return their number, and 0: all normals are their own."""
     view, taken = t.sides, t.taken
     corners, count = find_corners(t, reach, depth), 0
     for i in range(view.at.slave.shape[0]):
@@ -169,7 +169,7 @@ def hold_nodes(t, reach, depth, p):
 
 @section
 def hold_gauss_points(t, reach, depth, p):
-    """Pieces of the Gauss points of all slave segments; their number, and how many normals are not averaged."""
+    """Write pieces of all Gauss points of the slave. Return their number, and the number of normals not averaged."""
     view, count = t.sides, 0
     for s in range(t.slave_length.size):
         i = view.slave.segments[s, 0]
@@ -189,10 +189,10 @@ def hold_gauss_points(t, reach, depth, p):
 
 @kernel
 def pieces(bound, reach, depth):
-    """Fill one piece per held point (two of nodes at sharp concave corners); returns their number, and turned normals.
+    """Fill a piece per contact point (two at sharp concave corners). Return their number, and turned normals.
 
     `bound` is the address of a `Points`. Points farther than `reach` [mm] or deeper than `depth` of the longest
-    segment are held by none.
+    segment have no contact.
     """
     t = unpack(bound, Points)
     return HOLD(t, reach, depth * measure(t), PARAMETERS(t.numbers))

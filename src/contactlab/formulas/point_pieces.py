@@ -1,6 +1,6 @@
-"""Pieces of single points of the slave: what a segment, a quadratic edge or a vertex of the master holds them with.
+"""Pieces of single points of the slave in contact with a segment, a quadratic edge or a vertex of the master.
 
-Slots: POINTS, the Gauss points of each slave segment, 0 for its nodes, ALONE, whether each of them has a multiplier of
+Slots: POINTS, the Gauss points of each slave segment, 0 for its nodes, ALONE, True if each has a multiplier of
 its own, ABSCISSAE and WEIGHTS, their rule on 0 to 1;
 FOOT(x, master, p), see `contactlab.api.segments`.
 
@@ -23,7 +23,7 @@ FOOT, POINTS, ALONE, ABSCISSAE, WEIGHTS = slots("FOOT", "POINTS", "ALONE", "ABSC
 SHARP = 0.17  # sine of the kink (10 degrees) from which a concave corner holds with both segments
 NARROW = 0.01  # sine of the turn at a vertex below which it has one normal
 AT_END = 1e-6  # shares of a segment end within which a node sits on the vertex
-EDGE = 1e-9  # how far, in segment lengths, a point may project beyond a segment's end
+EDGE = 1e-9  # projection beyond a segment's end, in segment lengths
 LEAVE = 0.02  # beyond the ends of a chain, of the shorter segment: bodies of one width spread differently
 
 
@@ -32,24 +32,24 @@ LEAVE = 0.02  # beyond the ends of a chain, of the shorter segment: bodies of on
 
 @point
 def parabola(a, b, middle, s):
-    """Position and derivative by s of the edge through a (s = -1), middle (0) and b (1)."""
+    """Return position and derivative by s of the edge through a (s = -1), middle (0) and b (1)."""
     half, bend = 0.5 * (b - a), a + b - 2.0 * middle
     return middle + s * (half + (0.5 * s) * bend), half + s * bend
 
 
 @point
 def tangent_at(a, b, middle, s):
-    """The tangent there, as a master segment on which eta is the change of s."""
+    """Return the tangent there, as a master segment on which eta is the change of s."""
     start, edge = parabola(a, b, middle, s)
     return MasterSegment(start, start + edge)
 
 
 @point
 def in_wedge(x, v, before, after, length):
-    """Whether the line from a vertex at v to a point at x is a normal, between those of the vertex's segments.
+    """Return whether the line from a vertex at v to a point at x is a normal, between the normals of its segments.
 
     Within 1e-6 of the segments' `length` it is not: on the surface itself the line is round-off and points anywhere.
-    Nor is it where segments hardly turn: it would cross the wedge while the point moves by less than its distance.
+    Nor is it if segments hardly turn: it would cross the wedge while the point moves by less than its distance.
     """
     between = x - v
     if before.cross(after) < NARROW:
@@ -61,7 +61,7 @@ def in_wedge(x, v, before, after, length):
 
 @section
 def foot_on_parabola(x, a, b, middle, s, p):
-    """Where on a quadratic edge the formula's foot on the tangent is the point itself, near s."""
+    """Return the point near s on a quadratic edge that the formula projects onto itself on the tangent."""
     for _ in range(8):
         found = FOOT(x, tangent_at(a, b, middle, seed(s, 0, 4)), p)
         slope = derivatives(found, 4)[0]
@@ -77,7 +77,7 @@ def foot_on_parabola(x, a, b, middle, s, p):
 
 @section
 def put_slave(t, count, q, slot):
-    """The slave's side of a piece: its nodes and multipliers, D, T, and `psi`."""
+    """Write the slave's side of a piece: its nodes and multipliers, D, T, and `psi`."""
     view, out = t.sides, t.out
     if POINTS == 0:
         out.slave[count, 0], out.slave[count, 1] = q, q
@@ -110,7 +110,7 @@ def put_slave(t, count, q, slot):
 
 @section
 def put_normal(t, count, x, y):
-    """The normal of a multiplier that belongs to one point; those of Gauss points are the slave's."""
+    """Write the normal of a multiplier that belongs to one point; Gauss points use the slave's normal."""
     k = t.out.multiplier[count, 0]
     if POINTS == 0:
         t.out.normal[k, 0], t.out.normal[k, 1] = x, y
@@ -121,7 +121,7 @@ def put_normal(t, count, x, y):
 
 @section
 def put_piece(t, count, q, slot, held):
-    """Write one piece in row `slot` of its point: master segment m with shares 1 - share and share of its ends."""
+    """Write a piece in row `slot` of its point: master segment m with shares 1 - share and share of its ends."""
     view, out = t.sides, t.out
     m, share, holder, x, y = held
     put_slave(t, count, q, slot)
@@ -140,14 +140,14 @@ def put_piece(t, count, q, slot, held):
 
 @section
 def _end_normal(t, edge, s):
-    """The normal of a quadratic edge of the master at its start (s = -1) or its end."""
+    """Return the normal of a quadratic edge of the master at its start (s = -1) or its end."""
     at, nodes = t.sides.at.master, t.sides.master.edges
     return parabola(node(at, nodes[edge, 0]), node(at, nodes[edge, 1]), node(at, nodes[edge, 2]), s)[1].turned().unit()
 
 
 @section
 def kink(t, first, second):
-    """The sine by which the master turns from one segment to the next, quadratic edges at the node between them."""
+    """Return the sine of the master's turn between two segments, with quadratic edges at the node between them."""
     surface = t.sides.master
     if surface.edges.shape[1] == 2:
         return node(t.master_normal, first).cross(node(t.master_normal, second))
@@ -157,10 +157,10 @@ def kink(t, first, second):
 
 @section
 def _beside(t, start, end, s, own):
-    """The normal of the next quadratic edge in a flat valley, at the start (s = -1) or the end; `own` without one.
+    """Return the normal of the next quadratic edge in a flat valley, at the start (s = -1) or the end; else `own`.
 
-    A node that presses in a valley goes to and fro between the normals of its flanks, however small the kink; a sharp
-    one holds it with both.
+    A node that presses in a valley oscillates between the normals of its flanks, however small the kink; a sharp
+    valley holds it with both.
     """
     surface = t.sides.master
     other = surface.node_segments[start, 0] if s < 0.0 else surface.node_segments[end, 1]
@@ -172,7 +172,7 @@ def _beside(t, start, end, s, own):
 
 @section
 def put_on_parabola(t, count, x, q, slot, m, s, p):
-    """Write the piece of a point held by the quadratic edge of master segment m near s."""
+    """Write the piece of a point in contact with the quadratic edge of master segment m near s."""
     view, out = t.sides, t.out
     put_slave(t, count, q, slot)
     edge = view.master.segment_edge[m, 0]
@@ -193,12 +193,12 @@ def put_on_parabola(t, count, x, q, slot, m, s, p):
     put_normal(t, count, normal.x, normal.y)
 
 
-# --- what holds a point -----------------------------------------------------------------------------------------------
+# --- contact of a point -----------------------------------------------------------------------------------------------
 
 
 @section
 def foot(t, x, m, p):
-    """Gap [mm] and eta of a point on the line of master segment m."""
+    """Return gap [mm] and eta of a point on the line of master segment m."""
     at, i, j = t.sides.at.master, t.sides.master.segments[m, 0], t.sides.master.segments[m, 1]
     master = MasterSegment(Vector(at[i, 0], at[i, 1]), Vector(at[j, 0], at[j, 1]))
     gap = (x.at.x - at[i, 0]) * t.master_normal[m, 0] + (x.at.y - at[i, 1]) * t.master_normal[m, 1]
@@ -207,7 +207,7 @@ def foot(t, x, m, p):
 
 @section
 def faces(t, x, q, m, least):
-    """Whether point q faces master segment m by more than the cosine `least`.
+    """Return whether point q faces master segment m by more than the cosine `least`.
 
     A node at a corner of the slave counts once for each flank: the flank whose normal leads to a segment faces it.
     """
@@ -218,7 +218,7 @@ def faces(t, x, q, m, least):
 
 @section
 def _end_reached(t, m, share):
-    """The vertex that a point sits on, -1 elsewhere: there neither segment's normal is better than the other's."""
+    """Return the vertex that a point sits on, else -1: there neither segment's normal is better."""
     if share > AT_END and share < 1.0 - AT_END:
         return np.int64(-1)
     surface = t.sides.master
@@ -228,7 +228,7 @@ def _end_reached(t, m, share):
 
 @section
 def _second_side(t, x, q, m, reach, p):
-    """The neighbour that holds a node too, and eta there: it is in a sharp concave corner and projects onto both."""
+    """Return the second contact segment, and eta there, of a node in a sharp concave corner that projects onto both."""
     surface = t.sides.master
     for side in range(2):
         other = surface.node_segments[surface.segments[m, side], side]
@@ -245,17 +245,17 @@ def _second_side(t, x, q, m, reach, p):
 
 @section
 def _of_segment(t, m, eta):
-    """What a segment holds a point with at eta: itself, the share of its end, what holds, and the normal."""
+    """Return the contact data of a segment at eta: itself, the share of its end, the contact, and the normal."""
     return np.int64(m), eta, np.int64(m), t.master_normal[m, 0], t.master_normal[m, 1]
 
 
 @section
 def hold(t, count, x, q, nearest, v, reach, depth, p):
-    """Write what holds a point; returns the next piece.
+    """Write the contact of a point. Return the next piece.
 
-    It is a segment and eta on it, `nearest`, or where the first is negative vertex v beside the point. A quadratic edge
-    holds at its closest point, also beside the kink of its halves, where the true edge is smooth. A convex vertex holds
-    along the line to the point, a concave one nodes with both segments, a corner of the slave with the one it faces.
+    It is a segment and eta on it, `nearest`, or if the first is negative vertex v near the point. A quadratic edge
+    holds at its closest point, also near the kink of its halves, where the true edge is smooth. A convex vertex holds
+    along the line to the point, a concave vertex nodes with both segments, a slave corner with the segment it faces.
     """
     surface, (m, eta) = t.sides.master, nearest
     if surface.edges.shape[1] == 3:

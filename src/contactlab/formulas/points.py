@@ -18,7 +18,7 @@ from contactlab.formulas.segments import arrays_of, averaged_normals
 from contactlab.formulas.tables import DerivedPoints, Points, TurnedPoints
 
 DEPTH = 1.0
-"""Longest segment lengths of either side, as deep as a correction may push: a deeper point is on the far side."""
+"""Deepest push by a correction, in longest segment lengths of both sides: a deeper point is on the far side."""
 
 _PIECES, _DERIVATIVES, _GRADIENTS, _NORMALS = (BoundCache() for _ in range(4))
 
@@ -41,7 +41,7 @@ _of_class = cache(_Kernels)
 
 
 def rivals(surface: Surface) -> Ints:
-    """For each node (m,) of a side its number on the other flank, where a corner splits it, else its own."""
+    """Return for each node (m,) of a side its number on the other flank, if a corner splits it, else its own."""
     found = np.arange(len(surface.nodes), dtype=np.int32)
     order = np.argsort(surface.nodes, kind="stable")
     one, other = order[:-1], order[1:]
@@ -51,7 +51,7 @@ def rivals(surface: Surface) -> Ints:
 
 
 def _points(view: ContactView, out: Pieces, part: PointContact) -> tuple[Any, ...]:
-    """The arrays of a `Points`."""
+    """Return the arrays of a `Points`."""
     nodes, others = len(view.slave.nodes), len(view.master.nodes)
     own, other = ((np.empty((s, 2)), np.empty(s)) for s in (len(view.slave.segments), len(view.master.segments)))
     return (
@@ -65,7 +65,7 @@ _POINTS, _DERIVED, _TURNED = (binder(table, _points) for table in (Points, Deriv
 
 
 def pieces(part: PointContact, view: ContactView, out: Pieces) -> int:
-    """`ContactAlgorithm.pieces`."""
+    """Implement `ContactAlgorithm.pieces`."""
     made_of = _of_class(type(part))
     arrays = made_of.given_arrays(_PIECES.of(out, _POINTS, view, part), Points)
     count, turned = made_of.made(kernels.pieces)(arrays, view.reach, DEPTH)
@@ -74,7 +74,7 @@ def pieces(part: PointContact, view: ContactView, out: Pieces) -> int:
 
 
 def derivatives(part: PointContact, view: ContactView, pieces: Pieces, count: int, out: PieceDerivatives) -> bool:
-    """`ContactAlgorithm.derivatives`."""
+    """Implement `ContactAlgorithm.derivatives`."""
     made_of = _of_class(type(part))
     arrays = made_of.given_arrays(_DERIVATIVES.of(out, _DERIVED, view, part, pieces), DerivedPoints)
     out.count, out.normal_count = made_of.made(changes.piece_derivatives)(arrays, count)
@@ -82,7 +82,7 @@ def derivatives(part: PointContact, view: ContactView, pieces: Pieces, count: in
 
 
 def gradients(part: PointContact, view: ContactView, pieces: Pieces, count: int, out: GapGradients) -> bool:
-    """`ContactAlgorithm.gradients`: weights that change move the foot along the master, across the normal."""
+    """Implement `ContactAlgorithm.gradients`: weights move the projection along the master, across the normal."""
     if part.points:
         return False
     bound = _GRADIENTS.of(out, _TURNED, view, part, pieces)
@@ -91,7 +91,7 @@ def gradients(part: PointContact, view: ContactView, pieces: Pieces, count: int,
 
 
 def normals(part: PointContact, view: ContactView, pieces: Pieces, count: int, out: Floats) -> bool:
-    """`ContactAlgorithm.normals`; False where they follow from all pieces alone."""
+    """Implement `ContactAlgorithm.normals`; False if they need all pieces again."""
     if part.points_press:
         out[:] = pieces.normal
         a, b = (view.at.slave[view.slave.segments[pieces.segment[:count, 0] // part.points, k]] for k in range(2))

@@ -1,10 +1,10 @@
-"""How the pieces of contact between segments change with the positions of nodes, by dual numbers in two stages.
+"""Derivatives of the pieces of contact between segments by node positions, by dual numbers in two stages.
 
-Where a piece begins and ends, and its weighted length, follow from twelve coordinates: of the ends of its slave segment
-and their neighbours, by the averaged normals, and of the ends of its master segment. D, M and T follow from these and
-from what is covered of the span of the multipliers, six quantities; they grow with the length. So no formula is
-differentiated by more than twelve directions, whatever the edges. What is covered is where other pieces begin and end:
-it brings in their nodes.
+Overlap ends of a piece, and its weighted length, depend on twelve coordinates: the ends of its slave segment
+and their neighbours, by the averaged normals, and the ends of its master segment. D, M and T depend on these and
+on the total overlap of the span of the multipliers, six quantities; they grow with the length. So no formula is
+differentiated by more than twelve directions, whatever the edges. The total overlap ends at the ends of other pieces:
+it adds their nodes.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from contactlab.formulas.segment_kernels import (
 from contactlab.formulas.segment_normals import average_derivatives, inward_normals, normal_derivatives
 from contactlab.formulas.tables import Derived, Separated
 
-MOST_NODES = 12  # of a piece and of those that begin and end what is covered: five of the slave, six of the master
+MOST_NODES = 12  # of a piece and of the pieces at the ends of the total overlap: five of the slave, six of the master
 NUMBERS = 7  # that integrals depend on: six quantities, and the logarithm of the length
 LOW, HIGH, ETA_LOW, ETA_HIGH, LENGTH = 0, 1, 2, 3, 4  # rows of rates
 COVERED_LOW, COVERED_HIGH = 4, 5  # further directions of the integrals
@@ -47,7 +47,7 @@ COVERED_LOW, COVERED_HIGH = 4, 5  # further directions of the integrals
 
 @section
 def nodes_of(view, s, m, out):
-    """Nodes of a piece of segments s and m, those of the master after the slave's; -1 where there is none."""
+    """Fill nodes of a piece of segments s and m, first the slave's, then the master's; -1 if there is none."""
     segments, node_segments, shift = view.slave.segments, view.slave.node_segments, view.at.slave.shape[0]
     i, j = segments[s, 0], segments[s, 1]
     before, after = node_segments[i, 0], node_segments[j, 1]
@@ -59,7 +59,7 @@ def nodes_of(view, s, m, out):
 
 @point
 def differentiated(view, nodes):
-    """The slave and the master segment of six nodes, by their twelve coordinates."""
+    """Return the slave and the master segment of six nodes, by their twelve coordinates."""
     x, y, shift = view.at.slave, view.at.master, view.at.slave.shape[0]
     i, j, c, d = nodes[1], nodes[2], nodes[4] - shift, nodes[5] - shift
     a, b = Vector(seed(x[i, 0], 2, 12), seed(x[i, 1], 3, 12)), Vector(seed(x[j, 0], 4, 12), seed(x[j, 1], 5, 12))
@@ -77,14 +77,14 @@ def differentiated(view, nodes):
 
 @point
 def put_row(rates, row, changes):
-    """A row of twelve derivatives."""
+    """Write a row of twelve derivatives."""
     for j in range(12):
         rates[row, j] = changes[j]
 
 
 @section
 def find_rates(view, out, count, fields, nodes, rates, lengths):
-    """Of each piece its nodes (p, 6), its weighted length (p,), and what its ends and the logarithm of that change.
+    """Compute for each piece its nodes (p, 6), weighted length (p,), and rates of its ends and logarithmic length.
 
     rates (p, 5, 12): low, high, eta_low, eta_high and the length by the twelve coordinates
     """
@@ -103,7 +103,7 @@ def find_rates(view, out, count, fields, nodes, rates, lengths):
 
 @section
 def find_covered(view, out, count, vertices, first, last, covered):
-    """Pieces that begin and end what is covered of the span of each piece, (p,) each, and where that is, (p, 2)."""
+    """Find the pieces (p,) at both ends of the total overlap of each piece's span, and its ends (p, 2)."""
     whole, p = spans_edge(view.slave, vertices), 0
     while p < count:
         span, end, lowest, highest, low, high = span_of(view.slave, out.segment[p, 0], whole), p, p, p, 1.0, 0.0
@@ -124,7 +124,7 @@ def find_covered(view, out, count, vertices, first, last, covered):
 
 @point
 def traces(nodes, half, xi):
-    """Shape functions of an edge with two or three nodes at xi of its straight segment `half`; 0 for a third of two."""
+    """Return shape functions of an edge with two or three nodes at xi of its segment `half`; 0 for a third of two."""
     if nodes == 2:
         return 1.0 - xi, xi, 0.0 * xi
     s = xi + (half - 1.0)
@@ -133,7 +133,7 @@ def traces(nodes, half, xi):
 
 @point
 def quantities(out, p, covered):
-    """The six quantities that integrals are differentiated by."""
+    """Return the six quantities by which integrals are differentiated."""
     ends = out.ends
     return (
         seed(ends[p, 0], LOW, 8), seed(ends[p, 2], HIGH, 8), seed(ends[p, 1], ETA_LOW, 8),
@@ -143,7 +143,7 @@ def quantities(out, p, covered):
 
 @section
 def put_change(change, i, k, found, length):
-    """Derivatives by the six quantities, and by the logarithm of the length, into change (7, ., 2)."""
+    """Write derivatives by the six quantities, and by the logarithm of the length, into change (7, ., 2)."""
     changes = derivatives(found, 6)
     for q in range(6):
         change[q, i, k] = length * changes[q]
@@ -152,7 +152,7 @@ def put_change(change, i, k, found, length):
 
 @section
 def change_of_piece(view, out, p, place, length, covered, fields, dD, dM, dT):
-    """What D, M and T of piece p change by each of six quantities, and by the logarithm of its length."""
+    """Compute derivatives of D, M and T of piece p by six quantities, and by the logarithm of its length."""
     low, high, eta_low, eta_high, covered_low, covered_high = quantities(out, p, covered[p])
     slope = (eta_high - eta_low) / (high - low)
     half, far = view.slave.segment_edge[out.segment[p, 0], 1], view.master.segment_edge[out.segment[p, 1], 1]
@@ -201,12 +201,12 @@ def change_of_piece(view, out, p, place, length, covered, fields, dD, dM, dT):
 
 
 class Found(NamedTuple):
-    """What derivatives of `count` pieces are made from.
+    """Data for the derivatives of `count` pieces.
 
     nodes    (p, 6) of each piece
     rates    (p, 5, 12) rows LOW to LENGTH by the coordinates of its nodes
     lengths  (p,) [mm] of its slave segment, weighted
-    first, last, covered  (p,), (p,), (p, 2) which pieces begin and end what is covered of its span, and where
+    first, last, covered  (p,), (p,), (p, 2) pieces at the ends of the total overlap of its span, and these ends
     """
 
     nodes: Any
@@ -219,7 +219,7 @@ class Found(NamedTuple):
 
 @section
 def find(both, count, vertices):
-    """What the derivatives of the first `count` pieces are made from."""
+    """Return the data for the derivatives of the first `count` pieces."""
     found = Found(
         np.empty((count, 6), np.int64), np.empty((count, 5, 12)), np.empty(count), np.empty(count, np.int64),
         np.empty(count, np.int64), np.zeros((count, 2)),
@@ -232,9 +232,9 @@ def find(both, count, vertices):
 
 @section
 def collect(found, p, shares, nodes, factors):
-    """Nodes that piece p depends on, and what their coordinates change of seven numbers; returns how many they are.
+    """Collect nodes of piece p, and derivatives of seven numbers by their coordinates. Return their number.
 
-    shares  of the spans of multipliers, that the slave segments of the pieces have which begin and end what is covered
+    shares  of the spans of multipliers that belong to the slave segments at the ends of the total overlap
     """
     count = 0
     for v in range(6):
@@ -262,7 +262,7 @@ def collect(found, p, shares, nodes, factors):
 
 @point
 def shares_of(both, found, p, whole):
-    """See `collect`."""
+    """Return the `shares` of `collect`."""
     surface, segment = both.sides.slave, both.out.segment
     if COVERED:
         first = place_in_span(surface, segment[found.first[p], 0], whole)[1]
@@ -272,7 +272,7 @@ def shares_of(both, found, p, whole):
 
 @section
 def put_sum(change, factors, to):
-    """The sum over seven numbers of what each changes, into (., 2)."""
+    """Write the sum over the changes of seven numbers, into (., 2)."""
     for i in range(to.shape[0]):
         for k in range(2):
             total = 0.0
@@ -283,7 +283,7 @@ def put_sum(change, factors, to):
 
 @kernel
 def piece_derivatives(bound, count, vertices):
-    """Derivatives of the first `count` pieces and of the normals; returns the numbers of entries of both."""
+    """Write derivatives of the first `count` pieces and of the normals. Return the numbers of entries of both."""
     table, e = unpack(bound, Derived), 0
     both, to = table.both, table.changes
     view, out, whole = both.sides, both.out, spans_edge(both.sides.slave, vertices)
@@ -311,7 +311,7 @@ def piece_derivatives(bound, count, vertices):
 
 @point
 def weighted(values, at, nodes, p, d):
-    """Sum of traces times a coordinate of the nodes of entry p."""
+    """Return the sum of traces times a coordinate of the nodes of entry p."""
     total = values[0] * at[nodes[p, 0], d] + values[1] * at[nodes[p, 1], d]
     if nodes.shape[1] == 3:
         total = total + values[2] * at[nodes[p, 2], d]
@@ -320,13 +320,13 @@ def weighted(values, at, nodes, p, d):
 
 @point
 def separated(table, k, d):
-    """Component d of the separation of the multiplier that k became; 0 if it was dropped."""
+    """Return component d of the separation of the owner of multiplier k; 0 if it was dropped."""
     return table.separation[table.owner[k], d] if table.owner[k] >= 0 else 0.0
 
 
 @section
 def change_of_separation(table, p, place, length, covered, fields, change):
-    """The same of the weighted separations (2, 2) of piece p: integrals of psi_j (x - y - r) at fixed x, y and r."""
+    """Compute derivatives of weighted separations (2, 2) of piece p: integrals of psi_j (x - y - r), x, y, r fixed."""
     view, out = table.both.sides, table.both.out
     low, high, eta_low, eta_high, covered_low, covered_high = quantities(out, p, covered[p])
     slope = (eta_high - eta_low) / (high - low)
@@ -356,7 +356,7 @@ def change_of_separation(table, p, place, length, covered, fields, change):
 
 @kernel
 def separation_gradients(bound, count, vertices):
-    """Gradients of the weighted separations of the first `count` pieces; returns the number of those of normals."""
+    """Write gradients of the weighted separations of the first `count` pieces. Return the number of normal entries."""
     table = unpack(bound, Separated)
     both, to = table.both, table.gradients
     view, out, whole = both.sides, both.out, spans_edge(both.sides.slave, vertices)

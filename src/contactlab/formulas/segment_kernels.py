@@ -1,11 +1,11 @@
-"""Pieces of contact between segments: the overlaps that an author's formula finds, and the integrals of its basis.
+"""Pieces of contact between segments: overlaps by an author's formula, and the integrals of its basis.
 
 Slots: OVERLAP(slave, master, p) and BASIS(u, covered_low, covered_high, p), see `contactlab.api.segments`, with the
-PARAMETERS p of an algorithm; PARTS, one more than the BREAKS where the basis jumps; POINTS, WEIGHTS, a rule on 0 to 1
-that is exact for the basis times straight traces, and those for quadratic ones; COVERED, whether the basis asks what is
-covered.
+PARAMETERS p of an algorithm; PARTS, one more than the BREAKS at jumps of the basis; POINTS, WEIGHTS, a rule on 0 to 1
+that is exact for the basis times straight traces, and a rule for quadratic traces; COVERED, True if the basis asks for
+the total overlap.
 
-Multipliers span a slave segment; those at the ends of quadratic edges span the edge. u runs from 0 to 1 along the span.
+Multipliers span a slave segment; multipliers at the ends of quadratic edges span the edge. u runs from 0 to 1.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ PARAMETERS, FIELDS = slots("PARAMETERS", "FIELDS")
 POINTS, WEIGHTS, QUADRATIC_POINTS, QUADRATIC_WEIGHTS = slots(
     "POINTS", "WEIGHTS", "QUADRATIC_POINTS", "QUADRATIC_WEIGHTS"
 )
-CUBIC_POINTS, CUBIC_WEIGHTS = slots("CUBIC_POINTS", "CUBIC_WEIGHTS")  # for those of smooth surfaces
-SMALLEST = 1e-12  # overlaps shorter than this fraction of a slave segment carry nothing but round-off
+CUBIC_POINTS, CUBIC_WEIGHTS = slots("CUBIC_POINTS", "CUBIC_WEIGHTS")  # for smooth surfaces
+SMALLEST = 1e-12  # overlaps shorter than this fraction of a slave segment are round-off
 FLANK, FACING = 0.2, 0.3
-"""Cosines by which normals are opposed: flanks of a corner, below the first, are no partners; from the second on
-segments count in full, in between by a weight that grows evenly: one that turns joins without a jump."""
+"""Cosines of opposed normals: flanks of a corner, below the first, are no partners; from the second on
+segments count in full, in between by a weight that grows evenly: a turning segment joins without a jump."""
 NONE = np.uint32(0xFFFFFFFF)  # no node. Numbers without sign spare the test for places counted from the end
 
 
@@ -41,13 +41,13 @@ for _kind in (SlaveSegment, MasterSegment):
 
 @point
 def no_parameters(numbers):
-    """The parameters of an algorithm that has none."""
+    """Return the parameters of an algorithm that has none."""
     return 0.0
 
 
 @point
 def parameters(numbers):
-    """Those of one that has some."""
+    """Return the parameters of an algorithm that has some."""
     return column(numbers, 0, FIELDS)
 
 
@@ -56,7 +56,7 @@ def parameters(numbers):
 
 @point
 def slave_segment(s, at, segments, inward):
-    """Segment s of the slave at positions (m, 2), with the inward normals (m, 2) of its nodes."""
+    """Return segment s of the slave at positions (m, 2), with the inward normals (m, 2) of its nodes."""
     i, j = segments[s, 0], segments[s, 1]
     start, normal = Vector(at[i, 0], at[i, 1]), Vector(-inward[i, 0], -inward[i, 1])
     edge = Vector(at[j, 0] - start.x, at[j, 1] - start.y)
@@ -65,13 +65,13 @@ def slave_segment(s, at, segments, inward):
 
 @point
 def master_segment(i, j, at):
-    """The master segment from node i to node j."""
+    """Return the master segment from node i to node j."""
     return MasterSegment(Vector(at[i, 0], at[i, 1]), Vector(at[j, 0], at[j, 1]))
 
 
 @point
 def facing(slave, master):
-    """Weight of what two segments share: 1 where they face each other, 0 where one is a flank."""
+    """Return the weight of an overlap of two segments: 1 if they face each other, 0 if one is a flank."""
     edge, other = slave.edge, master.edge()
     along, sizes = -(edge @ other), (edge @ edge) * (other @ other)
     weight = 1.0
@@ -84,7 +84,7 @@ def facing(slave, master):
 
 @point
 def across(found, end, slave, master):
-    """From the slave to the master at an end of an overlap, and the gap there along the slave's normal [mm]."""
+    """Return the vector from slave to master at an end of an overlap, and the gap along the slave's normal [mm]."""
     xi, eta = (found.low, found.eta_low) if end == 0 else (found.high, found.eta_high)
     apart, normal = master.at(eta) - slave.at(xi), slave.normal_at(xi)
     return apart, (apart @ normal) / normal.length()
@@ -92,7 +92,7 @@ def across(found, end, slave, master):
 
 @point
 def tilt(slave, length):
-    """Largest slope of the field of normals against the segment's own normal."""
+    """Return the largest slope of the field of normals against the segment's own normal."""
     edge, n, o, least = slave.edge, slave.normal, slave.normal + slave.turn, 1e-3 * length
     a, upright = abs(n @ edge), max(abs(n.cross(edge)), least)
     b, beyond = abs(o @ edge), max(abs(o.cross(edge)), least)
@@ -101,14 +101,14 @@ def tilt(slave, length):
 
 @point
 def beside(slave, px, py):
-    """How far (px, py) lies along the slave segment from its start, and how far from its line, times its length."""
+    """Return the distances of (px, py) along the slave segment and from its line, times its length."""
     x, y = px - slave.start.x, py - slave.start.y
     return x * slave.edge.x + y * slave.edge.y, abs(x * slave.edge.y - y * slave.edge.x)
 
 
 @point
 def side(along, square, beyond):
-    """-1 for a point before where any normal of the slave segment leads, 1 for one beyond, else 0."""
+    """Return -1 for a point before the range of the slave segment's normals, 1 for a point beyond, else 0."""
     return -1 if along < -beyond else (1 if along > square + beyond else 0)
 
 
@@ -117,10 +117,10 @@ def side(along, square, beyond):
 
 @section
 def find_overlaps(both, s, reach, depth, begin, integrates, vertices, p):
-    """Pieces of slave segment s from `begin` on; returns the next free one.
+    """Write pieces of slave segment s from `begin` on. Return the next free one.
 
-    None where all of them are farther than `reach` [mm] or where the slave lies deeper than `depth` [mm]. Their weights
-    are left in T where they are not integrated yet.
+    No piece if all are farther than `reach` [mm] or if the slave lies deeper than `depth` [mm]. Their weights
+    are left in T until they are integrated.
     """
     view, out = both.sides, both.out
     surface, close, count = view.slave, False, begin
@@ -138,8 +138,8 @@ def find_overlaps(both, s, reach, depth, begin, integrates, vertices, p):
             c_along, c_away = beside(slave, at[i, 0], at[i, 1])
         d_along, d_away = beside(slave, at[j, 0], at[j, 1])
         last = j
-        # beside the slave segment, both ends beyond where normals lead to the farther one. Where normals lean by more
-        # than 90 degrees it decides, too: a bound for each end by itself would pass over flanks that a corner presses
+        # outside the slave segment, both ends beyond the range of normals to the farther one. If normals lean by more
+        # than 90 degrees it decides, too: a bound for each end by itself would skip flanks that a corner presses
         beyond = slope * max(c_away, d_away) + 1e-9 * square
         if side(c_along, square, beyond) * side(d_along, square, beyond) > 0:
             continue
@@ -177,13 +177,13 @@ def find_overlaps(both, s, reach, depth, begin, integrates, vertices, p):
 
 @point
 def spans_edge(surface, vertices):
-    """Whether multipliers span quadratic edges rather than their halves."""
+    """Return whether multipliers span quadratic edges rather than their halves."""
     return vertices and surface.edges.shape[1] == 3
 
 
 @section
 def put_nodes(view, s, m, p, vertices, slave, multiplier, master):
-    """Nodes and multipliers of slave segment s and master segment m into entry p of arrays as those of `Pieces`."""
+    """Write nodes and multipliers of slave segment s and master segment m into entry p of arrays as in `Pieces`."""
     own, other = view.slave, view.master
     edge, far = own.segment_edge[s, 0], other.segment_edge[m, 0]
     for i in range(own.edges.shape[1]):
@@ -196,7 +196,7 @@ def put_nodes(view, s, m, p, vertices, slave, multiplier, master):
 
 @section
 def put_piece(both, p, length, low, high, vertices, fields):
-    """Write piece p; `length` [mm]: of its slave segment, weighted; `low`, `high`: what of its span is covered."""
+    """Write piece p; `length` [mm]: weighted, of its slave segment; `low`, `high`: total overlap of its span."""
     view, out = both.sides, both.out
     s, m = out.segment[p, 0], out.segment[p, 1]
     if out.D.shape[1] == 2 and out.M.shape[1] == 2:
@@ -213,7 +213,7 @@ def put_piece(both, p, length, low, high, vertices, fields):
 
 @section
 def integrate_covered(both, count, vertices, fields):
-    """Integrate the pieces, whose weighted lengths are in T, with what is covered of their spans."""
+    """Integrate the pieces, whose weighted lengths are in T, with the total overlap of their spans."""
     view, out = both.sides, both.out
     whole = spans_edge(view.slave, vertices)
     p = 0
@@ -230,19 +230,19 @@ def integrate_covered(both, count, vertices, fields):
 
 @point
 def span_of(surface, s, whole):
-    """What the multipliers of segment s span: the number of its edge, or its own."""
+    """Return the span of the multipliers of segment s: the number of its edge, or its own."""
     return surface.segment_edge[s, 0] if whole else np.int32(s)
 
 
 @point
 def place_in_span(surface, s, whole):
-    """Where segment s begins in what its multipliers span, and its share of that."""
+    """Return the start of segment s in the span of its multipliers, and its share of the span."""
     return (0.5 * surface.segment_edge[s, 1], 0.5) if whole else (0.0, 1.0)
 
 
 @kernel
 def pieces(bound, reach, depth, vertices):
-    """Fill the pieces of a `Both` at the address `bound`; returns their number, and how many normals are not averaged.
+    """Fill the pieces of a `Both` at the address `bound`. Return their number, and how many normals are not averaged.
 
     depth     [longest segments of the slave]
     vertices  multipliers of quadratic slave edges belong to their ends alone
@@ -263,7 +263,7 @@ def pieces(bound, reach, depth, vertices):
 
 @point
 def trace(nodes, half, xi, i):
-    """Shape function i of an edge with `nodes` nodes at xi in [0, 1] of its straight segment `half`."""
+    """Return shape function i of an edge with `nodes` nodes at xi in [0, 1] of its straight segment `half`."""
     if nodes == 2:
         return 1.0 - xi if i == 0 else xi
     s = xi + half - 1.0
@@ -276,7 +276,7 @@ def trace(nodes, half, xi, i):
 
 @point
 def cut(low, high, part, begin, share):
-    """Part of an overlap between two breaks of the basis; it ends before it begins where it is empty."""
+    """Return the part of an overlap between two breaks of the basis; its end is before its start if it is empty."""
     if part > 0:
         low = max(low, (BREAKS[part - 1] - begin) / share)
     if part < PARTS - 1:
@@ -314,7 +314,7 @@ def integrate_straight(out, p, length, covered_low, covered_high, fields):
 
 @section
 def integrate(out, p, length, halves, span, covered, fields):
-    """Fill piece p of edges with any traces; halves: which of both edges the segments are."""
+    """Fill piece p of edges with any traces; halves: position of the segments in both edges."""
     D, M, T = out.D, out.M, out.T
     D[p], M[p], T[p] = 0.0, 0.0, 0.0
     low, eta_low, high, eta_high = out.ends[p, 0], out.ends[p, 1], out.ends[p, 2], out.ends[p, 3]

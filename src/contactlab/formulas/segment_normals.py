@@ -1,4 +1,4 @@
-"""Directions of contact: averaged normals of the slave, and where it ends or turns those of the master.
+"""Directions of contact: averaged normals of the slave, and normals of the master at ends and sharp turns of the slave.
 
 The average of the normals of two segments by their lengths is the sum of both, turned and scaled. At an end or a vertex
 it belongs to neither surface: the end of a beam drags on a plate along a normal that leans by the slope of the beam,
@@ -19,10 +19,10 @@ from contactlab.api.mathematics import sqrt
 from contactlab.api.tensors import Vector
 from contactlab.formulas.tables import Both
 
-LEAN = (0.25, 1.0)  # squared lean to the master's normal over what is no lean yet: none below, all above
-LEAST = 0.004**2  # squared sine that is no lean: 2 % of friction at mu = 0.2
+LEAN = (0.25, 1.0)  # squared lean to the master's normal over its tolerance: none below, all above
+LEAST = 0.004**2  # tolerance of the squared sine: 2 % of friction at mu = 0.2
 TURN = (0.12**2, 0.2**2)  # squared sine by which the slave turns more than the master: none below, all above
-SPREAD = 25.0  # of the squared sine by which the master turns within what a node sees, against its own
+SPREAD = 25.0  # weight of the squared sine of the master's turn within the overlap of a node, against its own
 
 
 # --- averages ---------------------------------------------------------------------------------------------------------
@@ -30,7 +30,7 @@ SPREAD = 25.0  # of the squared sine by which the master turns within what a nod
 
 @kernel
 def inward_normals(positions, segments, normals):
-    """Averaged slave normals (m, 2), length-weighted and turned inward; returns the longest segment [mm]."""
+    """Compute averaged slave normals (m, 2), length-weighted and turned inward. Return the longest segment [mm]."""
     for i in range(normals.shape[0]):
         normals[i, 0], normals[i, 1] = 0.0, 0.0
     longest = 0.0
@@ -51,20 +51,20 @@ def inward_normals(positions, segments, normals):
 
 @point
 def neighbours(i, slave):
-    """Nodes before and after node i of the slave: itself where the chain ends."""
+    """Return the nodes before and after node i of the slave: itself at ends of the chain."""
     before, after = slave.node_segments[i, 0], slave.node_segments[i, 1]
     return (slave.segments[before, 0] if before >= 0 else i), (slave.segments[after, 1] if after >= 0 else i)
 
 
 @point
 def edge_between(at, i, j):
-    """From node i to node j of positions (m, 2), by four coordinates: those of i, then those of j."""
+    """Return the vector from node i to node j of positions (m, 2), by four coordinates: first of i, then of j."""
     return Vector(seed(at[j, 0], 2, 4) - seed(at[i, 0], 0, 4), seed(at[j, 1], 3, 4) - seed(at[i, 1], 1, 4))
 
 
 @section
 def average_derivatives(view, out):
-    """Derivatives of the averaged inward normals by the ends of the segments that meet there; returns their number."""
+    """Compute derivatives of averaged inward normals by the ends of the adjacent segments. Return their number."""
     e = 0
     for k in range(view.at.slave.shape[0]):
         nodes = neighbours(k, view.slave)
@@ -82,14 +82,14 @@ def average_derivatives(view, out):
 
 @point
 def ramp(value, low, high):
-    """0 below low, 1 above high, smooth between."""
+    """Return 0 below low, 1 above high, smooth between."""
     t = min(1.0, max(0.0, (value - low) / (high - low)))
     return t * t * (3.0 - 2.0 * t)
 
 
 @point
 def turn_between(before, here, after):
-    """Squared sine of the angle by which a chain turns at a node: 1 beyond 90 degrees."""
+    """Return the squared sine of the angle by which a chain turns at a node: 1 beyond 90 degrees."""
     first, second = here - before, after - here
     found: float = 1.0
     if first @ second > 0.0:
@@ -100,19 +100,19 @@ def turn_between(before, here, after):
 
 @point
 def node(at, i):
-    """Position i of an array (m, 2)."""
+    """Return position i of an array (m, 2)."""
     return Vector(at[i, 0], at[i, 1])
 
 
 @point
 def is_end(i, slave):
-    """Whether the slave ends at node i."""
+    """Return whether the slave ends at node i."""
     return slave.node_segments[i, 0] < 0 or slave.node_segments[i, 1] < 0
 
 
 @point
 def turn_at(i, view):
-    """Squared sine by which the slave turns at node i; 1 at its ends."""
+    """Return the squared sine by which the slave turns at node i; 1 at its ends."""
     if is_end(i, view.slave):
         return 1.0
     before, after = neighbours(i, view.slave)
@@ -121,7 +121,7 @@ def turn_at(i, view):
 
 @point
 def beside_end(i, slave):
-    """The node beside end i of the slave, -1 where that is an end as well or i is none."""
+    """Return the node next to end i of the slave, -1 if it is an end as well or i is none."""
     if not is_end(i, slave):
         return -1
     before, after = neighbours(i, slave)
@@ -131,12 +131,12 @@ def beside_end(i, slave):
 
 @point
 def share_of_master(normal, facing, seen, turn, beside, end):
-    """How much of the direction is the master's.
+    """Return the master's share of the direction.
 
     normal  averaged inward normal of the slave at the node
-    facing  sum of the master's outward normals, each by the length over which the multiplier sees it
+    facing  sum of the master's outward normals, each by its overlap length with the multiplier
     seen    [mm] sum of these lengths
-    turn, beside  squared sines by which the slave turns at the node and, if this is an end, beside it
+    turn, beside  squared sines by which the slave turns at the node and, if this is an end, next to it
     """
     square = facing @ facing
     spread = 1.0 - square / (seen * seen)
@@ -149,19 +149,19 @@ def share_of_master(normal, facing, seen, turn, beside, end):
 
 @point
 def direction(normal, facing, share):
-    """The direction that is the master's by a share of 0 to 1."""
+    """Return the direction with a share of 0 to 1 of the master's normal."""
     return (normal + share * (facing / sqrt(facing @ facing) - normal)).unit()
 
 
 @point
 def length_seen(pieces, p, k):
-    """Length [mm] over which multiplier k of piece p sees it; of a basis that is negative there, none."""
+    """Return the overlap length [mm] of multiplier k with piece p; 0 if the basis is negative there."""
     return max(0.0, pieces.T[p, 0, k] + pieces.T[p, 1, k])
 
 
 @section
 def sum_facing(view, pieces, count, wanted, facing):
-    """What the multipliers see of the master: sums (m, 3) of `facing` and `seen` where `wanted` (m,) is not zero."""
+    """Sum master normals over overlaps: (m, 3) of `facing` and `seen` if `wanted` (m,) is not zero."""
     facing[:] = 0.0
     for p in range(count):
         if wanted[pieces.multiplier[p, 0]] == 0.0 and wanted[pieces.multiplier[p, 1]] == 0.0:
@@ -176,7 +176,7 @@ def sum_facing(view, pieces, count, wanted, facing):
 
 @section
 def turned(k, view, normals, facing):
-    """Share of the master's normal at node k, given what it sees of it."""
+    """Return the share of the master's normal at node k, given its sum over the overlap."""
     beside = beside_end(k, view.slave)
     if facing[k, 0] * facing[k, 0] + facing[k, 1] * facing[k, 1] == 0.0:
         return 0.0
@@ -188,7 +188,7 @@ def turned(k, view, normals, facing):
 
 @section
 def turn_normals(view, pieces, count, normals):
-    """Turn the averaged inward normals (m, 2) at ends and vertices to the master's; returns how many were turned."""
+    """Turn the averaged inward normals (m, 2) at ends and vertices to the master's. Return how many were turned."""
     turns, vertices, found = np.empty(normals.shape[0]), False, 0
     for k in range(normals.shape[0]):
         turns[k] = turn_at(k, view)
@@ -208,7 +208,7 @@ def turn_normals(view, pieces, count, normals):
 
 @kernel
 def turned_normals(bound, count, normals):
-    """The same for the first `count` pieces of a `Both` at the address `bound`."""
+    """Call `turn_normals` for the first `count` pieces of a `Both` at the address `bound`."""
     both = unpack(bound, Both)
     return turn_normals(both.sides, both.out, count, normals)
 
@@ -220,7 +220,7 @@ NORMAL, FACING, SEEN, TURNS, BESIDE = 0, 2, 4, 5, 6  # the directions of derivat
 
 @section
 def put_rates(k, view, averaged, facing, rates):
-    """Derivatives of the direction of node k by seven quantities into rates[k] (7, 2), of a node that is turned."""
+    """Compute derivatives of the direction of a turned node k by seven quantities into rates[k] (7, 2)."""
     beside = beside_end(k, view.slave)
     normal = Vector(seed(averaged[k, 0], 0, 8), seed(averaged[k, 1], 1, 8))
     sees = Vector(seed(facing[k, 0], 2, 8), seed(facing[k, 1], 3, 8))
@@ -236,7 +236,7 @@ def put_rates(k, view, averaged, facing, rates):
 
 @section
 def put(out, e, k, moved, x, y):
-    """Entry e: the normal of multiplier k changes by (x, y) with coordinate `moved`; returns the next entry."""
+    """Write entry e: the normal of multiplier k changes by (x, y) with coordinate `moved`. Return the next entry."""
     out.normal_of[e], out.normal_moved[e] = k, moved
     out.dnormal[e, 0], out.dnormal[e, 1] = x, y
     return e + 1
@@ -244,7 +244,7 @@ def put(out, e, k, moved, x, y):
 
 @section
 def by_master(view, pieces, count, out, piece, rates, is_turned, e):
-    """Entries of what is seen of the master: of lengths, and of its normals."""
+    """Write entries by the master in the overlap: by lengths, and by its normals."""
     for c in range(piece.size):
         for j in range(2):
             k = out.multiplier[c, j]
@@ -271,7 +271,7 @@ def by_master(view, pieces, count, out, piece, rates, is_turned, e):
 
 @section
 def by_turn(view, k, j, rate, out, e):
-    """Entries of the turn at node j, an inner one; rate (2,): what the direction of node k changes with it."""
+    """Write entries of the turn at node j, an inner node; rate (2,): derivative of the direction of node k by it."""
     before, after = neighbours(j, view.slave)
     at = view.at.slave
     found = turn_between(
@@ -288,7 +288,7 @@ def by_turn(view, k, j, rate, out, e):
 
 @section
 def normal_derivatives(view, pieces, count, out, piece, averaged):
-    """Derivatives of the directions of contact by the coordinates of nodes; returns the number of entries.
+    """Compute derivatives of the directions of contact by node coordinates. Return the number of entries.
 
     piece     pieces of all derivatives of pieces in `out`
     averaged  (m, 2) averaged inward normals

@@ -1,4 +1,4 @@
-"""Moments of smooth surfaces: integrals of the multipliers' basis times the cubics by which curves leave segments.
+"""Moments of smooth surfaces: integrals of the multipliers' basis times the cubics between curves and segments.
 
 See `contactlab.kernels.contact.smooth`; edges have two nodes.
 """
@@ -36,7 +36,7 @@ from contactlab.kernels.contact.smooth import hermite
 
 @section
 def put_moments(ends, p, length, low, high, fields, out):
-    """Moments (4, 2) of piece p of a slave segment of that weighted length, covered from `low` to `high`."""
+    """Compute moments (4, 2) of piece p of a slave segment of this weighted length, with overlap `low` to `high`."""
     first, eta_first, last, eta_last = ends[p, 0], ends[p, 1], ends[p, 2], ends[p, 3]
     slope = (eta_last - eta_first) / (last - first)
     for row in range(4):
@@ -59,7 +59,7 @@ def put_moments(ends, p, length, low, high, fields, out):
 
 @kernel
 def moments(bound, count, out):
-    """Moments (p, 4, 2) of the first `count` pieces of a `Both` at the address `bound`."""
+    """Compute moments (p, 4, 2) of the first `count` pieces of a `Both` at the address `bound`."""
     both = unpack(bound, Both)
     view, pieces, fields = both.sides, both.out, PARAMETERS(both.numbers)
     p = 0
@@ -81,7 +81,7 @@ def moments(bound, count, out):
 
 @section
 def change_of_bent(view, out, p, length, covered, fields, bends, change):
-    """What the sums of moments and bends of piece p change by six quantities, and by its length, at fixed bends."""
+    """Compute changes of the sums of moments and bends of piece p by six quantities and its length, at fixed bends."""
     low, high, eta_low, eta_high, covered_low, covered_high = quantities(out, p, covered[p])
     slope, zero = (eta_high - eta_low) / (high - low), 0.0 * low
     s, m = out.segment[p, 0], out.segment[p, 1]
@@ -107,7 +107,7 @@ def change_of_bent(view, out, p, length, covered, fields, bends, change):
 
 @kernel
 def moment_derivatives(bound, count, owner, bends, nodes_of_sides, out):
-    """What separations change with the moments at fixed bends (s, 4), before T; returns the number of entries.
+    """Compute derivatives of separations by the moments at fixed bends (s, 4), before T. Return the number of entries.
 
     `bound` is the address of a `Both`; nodes_of_sides: global numbers of the slave's nodes and then the master's
     out = row 2 k + component, column, value

@@ -69,7 +69,7 @@ def _kernels(part: SegmentContact) -> _Kernels:
 
 
 def arrays_of(view: ContactView, out: Pieces, part: ContactAlgorithm | None) -> tuple[Any, ...]:
-    """The arrays of a `Both`."""
+    """Return the arrays of a `Both`."""
     numbers = np.zeros((0, 1)) if part is None else values_of(part)
     return view.slave, view.master, *view.at, view.near.start, view.near.master, out, numbers
 
@@ -78,7 +78,7 @@ _BOTH, _DERIVED, _SEPARATED = (binder(table, arrays_of) for table in (Both, Deri
 
 
 def pieces(part: SegmentContact, view: ContactView, out: Pieces) -> int:
-    """`ContactAlgorithm.pieces`."""
+    """Implement `ContactAlgorithm.pieces`."""
     made_of = _kernels(part)
     arrays = made_of.given_arrays(_PIECES.of(out, _BOTH, view, part), Both)
     count, turned = made_of.made(kernels.pieces)(arrays, view.reach, DEPTH, _vertices(part))
@@ -87,7 +87,7 @@ def pieces(part: SegmentContact, view: ContactView, out: Pieces) -> int:
 
 
 def derivatives(part: SegmentContact, view: ContactView, pieces: Pieces, count: int, out: PieceDerivatives) -> bool:
-    """`ContactAlgorithm.derivatives`."""
+    """Implement `ContactAlgorithm.derivatives`."""
     made_of = _kernels(part)
     arrays = made_of.given_arrays(_DERIVATIVES.of(out, _DERIVED, view, part, pieces), Derived)
     out.count, out.normal_count = made_of.made(changes.piece_derivatives)(arrays, count, _vertices(part))
@@ -98,7 +98,7 @@ def gradients(
     part: SegmentContact, view: ContactView, pieces: Pieces, count: int, owner: Ints, separation: Floats,
     out: GapGradients,
 ) -> bool:  # fmt: skip
-    """`ContactAlgorithm.gradients`."""
+    """Implement `ContactAlgorithm.gradients`."""
     if not pieces.averaged:
         return False
     made_of = _kernels(part)
@@ -109,7 +109,7 @@ def gradients(
 
 
 def moments(part: SegmentContact, view: ContactView, pieces: Pieces, count: int, out: Floats) -> None:
-    """Moments (p, 4, 2) of smooth surfaces, see `contactlab.kernels.contact.smooth`."""
+    """Compute moments (p, 4, 2) of smooth surfaces, see `contactlab.kernels.contact.smooth`."""
     from contactlab.formulas.segment_smooth import moments
 
     made_of = _kernels(part)
@@ -121,7 +121,7 @@ def moment_derivatives(
     part: SegmentContact, view: ContactView, pieces: Pieces, count: int, owner: Ints, bends: tuple[Floats, ...],
     nodes: Ints, out: tuple[Ints, Ints, Floats],
 ) -> int:  # fmt: skip
-    """Entries (row, column, value) of what separations change with the moments; returns their number."""
+    """Compute entries (row, column, value) of separations by the moments. Return their number."""
     from contactlab.formulas.segment_smooth import moment_derivatives
 
     made_of = _kernels(part)
@@ -130,7 +130,7 @@ def moment_derivatives(
 
 
 def averaged_normals(view: ContactView, pieces: Pieces, count: int, out: Floats) -> bool:
-    """The averaged normals, where directions at ends and vertices are these, too; else False."""
+    """Fill the averaged normals, if they are the directions at ends and vertices, too; else return False."""
     inward_normals(view.at.slave, view.slave.segments, out)
     return not turned_normals(_NORMALS.of(pieces, _BOTH, view, None).address, count, out)
 

@@ -1,4 +1,4 @@
-"""What the loops over segments and points work on: a view of a contact and its pieces, by the names of the contract."""
+"""Tables for the loops over segments and points: a view of a contact and its pieces, by the names of the contract."""
 
 from __future__ import annotations
 
@@ -40,14 +40,14 @@ class Both(NamedTuple):
 
 
 class Derived(NamedTuple):
-    """The same and the derivatives."""
+    """`Both` with the derivatives."""
 
     both: Both
     changes: PieceDerivatives
 
 
 class Separated(NamedTuple):
-    """The same, the owner and the separation of each multiplier, and the gradients."""
+    """`Both` with the owner and the separation of each multiplier, and the gradients."""
 
     both: Both
     owner: Ints1
@@ -56,23 +56,23 @@ class Separated(NamedTuple):
 
 
 class Points(NamedTuple):
-    """A view, its pieces, and room for what is measured of both surfaces.
+    """A view, its pieces, and arrays for measures of both surfaces.
 
-    Of pieces at points, `segment` has the point (of nodes the node, of Gauss points their number along the slave; under
-    a corner of the master -1 less the slave's segment) and what holds it (the master's segment; -1 less the vertex).
-    `ends` has xi of the point in its segment, eta of its foot, and whether that is s, -1 to 1, on a quadratic edge.
+    In pieces at points, `segment` has the point (the node, or the Gauss point's number along the slave; under a
+    corner of the master -1 less the slave's segment) and its contact (the master's segment; -1 less the vertex).
+    `ends` has xi of the point in its segment, eta of its projection, and a flag for s, -1 to 1, on a quadratic edge.
 
     numbers    (n, 1) the numbers among the fields of the algorithm
     memory     of nodes: the segment plus one, 0 for none; the corner plus one. Of Gauss points: the segment plus one
     slave_normal, slave_length    of slave segments (s, 2), (s,) [mm]
     master_normal, master_length  of master segments
     outward    (m, 2) averaged normals of slave nodes
-    tributary  (m,) [mm] the length of slave surface that each node stands for
+    tributary  (m,) [mm] the length of slave surface of each node
     rival      (m,) the same node on the other flank of a corner of the slave, elsewhere the slave node itself
-    taken      (m,) whether a slave node has two conditions of its own
-    carried    (m,) the corner whose condition a slave node carries plus one, 0 for none
-    corner_on, corner_share  (l,) the slave segment that each corner of the master presses on, -1 for none; where on it
-    psi        (k,) [mm] weights of the multipliers at the point that is written
+    taken      (m,) True if a slave node has two constraints of its own
+    carried    (m,) the corner whose constraint a slave node carries plus one, 0 for none
+    corner_on, corner_share  (l,) the slave segment that each corner of the master presses on, -1 for none; share on it
+    psi        (k,) [mm] weights of the multipliers at the present point
     """
 
     sides: View
@@ -94,14 +94,14 @@ class Points(NamedTuple):
 
 
 class DerivedPoints(NamedTuple):
-    """The same and the derivatives."""
+    """`Points` with the derivatives."""
 
     points: Points
     changes: PieceDerivatives
 
 
 class TurnedPoints(NamedTuple):
-    """The same and the gradients."""
+    """`Points` with the gradients."""
 
     points: Points
     gradients: GapGradients

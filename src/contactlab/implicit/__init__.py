@@ -1,1 +1,1 @@
-"""Implicit steps: Newton's iteration with contact, its linear systems, and what a step books."""
+"""Implicit steps: Newton's iteration with contact, its linear systems, and the energy balance of a step."""

@@ -1,8 +1,8 @@
 """An order of elimination by nested dissection: halves of the mesh first, the nodes that join them last (George 1973).
 
-What elimination fills in grows with n log n, and with minimum degree a little faster: that fills in less below some
-3e5 unknowns, and takes longer and more memory above. Places of nodes say where to cut, the matrix which nodes join the
-halves, so that contact, which couples what no cell does, is counted.
+Fill-in grows with n log n, with minimum degree a little faster: minimum degree has less fill-in below some
+3e5 unknowns, and takes longer and more memory above. Node positions give the cuts, the matrix gives the nodes that
+join the halves, so that contact, with couplings beyond cells, is counted.
 """
 
 from __future__ import annotations
@@ -16,21 +16,21 @@ from contactlab.api import Floats
 
 FROM = 300_000  # unknowns: of the time of factors it saves nothing at 186 000, a sixth at 740 000 (disc-on-block)
 SMALLEST = 8  # nodes that are not cut any more
-MOST = 36  # cuts one in another: 3 to this power is the largest order number that fits into 64 bits
+MOST = 36  # nested cuts: 3 to this power is the largest order number that fits into 64 bits
 
 Numbers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 
 def dissected(matrix: Any, places: Floats) -> Numbers:
-    """Order (n,) in which the unknowns of a CSC matrix of symmetric pattern are eliminated.
+    """Return the order (n,) in which the unknowns of a CSC matrix of symmetric pattern are eliminated.
 
-    places  (m, 2) [mm] of the first m unknowns; those beyond it are where the unknowns are that they are coupled with
+    places  (m, 2) [mm] of the first m unknowns; further unknowns are placed at the unknowns coupled with them
     """
     row, column = matrix.indices, np.repeat(np.arange(matrix.shape[1]), np.diff(matrix.indptr))
     known = len(places)
     places = _all_places(row, column, places, matrix.shape[0])
-    # both directions of a node are cut as one, and one coupling of two nodes stands for all four
+    # both directions of a node are cut together, and one coupling of two nodes represents all four
     first = np.ones(len(places), bool)
     first[1:known] = (places[1:known] != places[: known - 1]).any(axis=1)
     vertex = np.cumsum(first) - 1
@@ -40,7 +40,7 @@ def dissected(matrix: Any, places: Floats) -> Numbers:
 
 
 def _all_places(row: Any, column: Any, places: Floats, number: int) -> Floats:
-    """Places of all unknowns: of the last ones the mean of those they are coupled with."""
+    """Return places of all unknowns: for the last ones the mean of their coupled unknowns."""
     known = len(places)
     with_known = (column >= known) & (row < known)
     beyond, of = column[with_known] - known, places[row[with_known]]
@@ -50,9 +50,9 @@ def _all_places(row: Any, column: Any, places: Floats, number: int) -> Floats:
 
 
 def _codes(row: Numbers, column: Numbers, places: Floats) -> Numbers:
-    """Numbers (v,) by which vertices, coupled pair by pair (e,), are sorted: one digit of base 3 for each cut.
+    """Return numbers (v,) by which vertices, coupled pair by pair (e,), are sorted: one digit of base 3 for each cut.
 
-    0 and 1 are the halves of a piece, 2 the vertices between them; what is not cut any more goes on with 0.
+    0 and 1 are the halves of a piece, 2 the vertices between them; uncut pieces get further digits 0.
     """
     code, part = (np.zeros(len(places), np.int64) for _ in range(2))
     left = np.arange(len(places))
@@ -75,7 +75,7 @@ def _codes(row: Numbers, column: Numbers, places: Floats) -> Numbers:
 
 
 def _cut(left: Numbers, part: Numbers, row: Numbers, column: Numbers, places: Floats) -> tuple[Flags, Flags]:
-    """Vertices (v,) of the upper half of each piece, and those of them that are coupled with the lower one.
+    """Return vertices (v,) of the upper half of each piece, and its vertices coupled with the lower half.
 
     Pieces are cut in the middle, along the axis that leaves fewer between the halves.
     """

@@ -12,7 +12,7 @@ from scipy.sparse.linalg import splu
 from contactlab.api import Floats
 from contactlab.implicit.dissection import FROM, dissected
 
-PIVOT = 1e-3  # a diagonal entry above this part of its column is taken as pivot, which keeps the ordering's fill
+PIVOT = 1e-3  # a diagonal entry above this part of its column is the pivot, which keeps the ordering's fill
 BACKWARD = 1e-15  # componentwise backward error beyond which a solution is refined: pivots that small may grow entries
 REFINEMENTS = 3
 
@@ -24,8 +24,8 @@ class SingularSystem(ArithmeticError):
 class Factor:
     """A factorised matrix (CSC).
 
-    places  (m, 2) [mm] of the first m unknowns, by which large systems are put in order: see `dissection`
-    order   (n,) in which unknowns are eliminated, where it is not SuperLU that finds it
+    places  (m, 2) [mm] of the first m unknowns, for the ordering of large systems: see `dissection`
+    order   (n,) of elimination, if SuperLU does not find it
     """
 
     def __init__(self, matrix: Any, places: Floats | None = None) -> None:
@@ -36,7 +36,7 @@ class Factor:
             self.order = dissected(matrix, places)
             ordered, ordering = _permuted(matrix, self.order), "NATURAL"
         try:
-            # supernodes that are not padded: entries that are zero cost more than they save at these sizes
+            # unpadded supernodes: explicit zeros cost more than they save at these sizes
             self.lu = splu(
                 ordered, permc_spec=ordering, diag_pivot_thresh=PIVOT, relax=1, options={"SymmetricMode": True}
             )
@@ -44,7 +44,7 @@ class Factor:
             raise SingularSystem(str(error)) from error
 
     def once(self, right: Floats) -> Floats:
-        """Solution for one right-hand side (n,), as the factors give it."""
+        """Solve once for one right-hand side (n,), without refinement."""
         if self.order is None:
             return np.asarray(self.lu.solve(right))
         solution = np.empty_like(right)
@@ -52,7 +52,7 @@ class Factor:
         return solution
 
     def solve(self, right: Floats) -> Floats:
-        """Solution for one right-hand side (n,), refined until its backward error is that of round-off."""
+        """Solve for one right-hand side (n,), refined until its backward error is round-off."""
         solution, sizes = self.once(right), magnitudes(self.matrix)
         for _ in range(REFINEMENTS):
             rest = right - self.matrix @ solution
@@ -64,12 +64,12 @@ class Factor:
 
 
 def magnitudes(matrix: Any) -> Any:
-    """The matrix (CSC) of absolute values."""
+    """Return the matrix (CSC) of absolute values."""
     return csc_array((np.abs(matrix.data), matrix.indices, matrix.indptr), shape=matrix.shape)
 
 
 def with_diagonal(matrix: Any, factor: float, diagonal: Floats) -> Any:
-    """factor times a CSC matrix plus a diagonal, on its pattern; held nodes without any stiffness need no entry."""
+    """Return factor times a CSC matrix plus a diagonal, on its pattern; held nodes without stiffness need no entry."""
     column = np.repeat(np.arange(matrix.shape[1]), np.diff(matrix.indptr))
     place = np.flatnonzero(matrix.indices == column)
     data = factor * matrix.data
@@ -78,7 +78,7 @@ def with_diagonal(matrix: Any, factor: float, diagonal: Floats) -> Any:
 
 
 def _permuted(matrix: Any, order: NDArray[np.int64]) -> Any:
-    """The matrix (CSC) with rows and columns in another order."""
+    """Return the matrix (CSC) with rows and columns in another order."""
     place = np.empty(len(order), np.int32)
     place[order] = np.arange(len(order), dtype=np.int32)
     column = np.repeat(place, np.diff(matrix.indptr))

@@ -1,8 +1,8 @@
-"""Steps around an impact: one ends where surfaces meet, and those of the contact follow its waves.
+"""Steps around an impact: a step ends when surfaces meet, and the next steps resolve its waves.
 
 Contact forces act in the whole of a step in which surfaces meet, and take the work y . g of gaps g that were open at
 its start; the midpoint rule then spreads fronts over several steps and lets surfaces part too early. A step in which
-surfaces meet with more than `SHARE` of the energy of motion is therefore cut to end where they meet, and those after it
+surfaces meet with more than `SHARE` of the kinetic energy is therefore cut to end when they meet, and the next steps
 are halved until the change of elastic forces in a step,
 
     r = dt/12 |M^-1 (f+ - f)| / |v|,   |a|^2 = a . M a
@@ -18,27 +18,27 @@ import numpy as np
 
 from contactlab.api import WORK, Floats, ImplicitEquations, State
 
-SHARE = 2e-3  # of the energy of motion: what surfaces that meet in one step stop at an impact
-SLIGHT = 1e-4  # of the largest energy of motion so far: an impact of less is none
+SHARE = 2e-3  # of the kinetic energy: least contact work in a step that counts as an impact
+SLIGHT = 1e-4  # of the largest kinetic energy so far: smaller impacts are ignored
 TOLERANCE = 4e-3  # of the velocity before the impact
 REPEAT = 3.0  # tolerances: an error above is not accepted
-GROW = 1.0 / 6.0  # tolerances: an error below lets the next step be twice as long
+GROW = 1.0 / 6.0  # tolerances: with an error below the next step may be twice as long
 COURANT = 0.5  # cells that a wave passes in the shortest step
-SHORTEST = 1e-3  # of a step: what is left before surfaces meet is not worth a step of its own
+SHORTEST = 1e-3  # of a step: a shorter rest before surfaces meet gets no step of its own
 LARGEST, LIMIT, ENERGY = range(3)
 INTERNAL = WORK.index("internal")
 
 
 def impacts_of(equations: ImplicitEquations) -> bool:
-    """Whether contact stops surfaces at once: springs and potentials take their energy and give it back."""
+    """Return whether contact is exact: springs and potentials store energy and return it."""
     contact = equations.contact
     return contact is not None and contact.enforcement.exact and not contact.by_energy
 
 
 class Impacts:
-    """Judges steps with contact, and says how long the next may be.
+    """Judges steps with contact, and limits the next length.
 
-    memory  (3,) of the state: largest kinetic energy so far, most length of a step (0: any), kinetic energy before the
+    memory  (3,) of the state: largest kinetic energy so far, longest step (0: any), kinetic energy before the
             impact
     """
 
@@ -50,17 +50,17 @@ class Impacts:
         self.pressed = False
 
     def begin(self, dt: float) -> None:
-        """Remember what the state is at the start of a step of length dt [s]."""
+        """Save the state at the start of a step of length dt [s]."""
         state, v = self.state, self.state["velocity"]
         self.dt, self.before[:] = dt, state["internal_force"]
         self.kinetic = 0.5 * float(np.vdot(self.mass * v, v))
         self.memory[LARGEST] = max(float(self.memory[LARGEST]), self.kinetic)
-        # what supports would have done, had they pushed like this from the start: what they drive is no impact
+        # work of supports if they had pushed like this from the start: driven motion is no impact
         driven = state.time * abs(float(np.vdot(state["reaction"], v)))
         self.stored = abs(float(state["work"][INTERNAL])) + driven
 
     def met(self, normal: Floats, velocity: Floats, moved: Floats) -> float | None:
-        """Length of a step that ends where surfaces meet; None if this one need not be cut.
+        """Return the length of a step that ends when surfaces meet; None if this step need not be cut.
 
         normal    (N, 2) [N] contact forces of the step
         velocity  (N, 2) [mm/s] at its start; `moved` (N, 2) [mm] displacements in it
@@ -81,7 +81,7 @@ class Impacts:
         return None
 
     def limit(self, diagonal: Floats) -> tuple[float | None, bool]:
-        """Most length of the next step, None for any; and whether this one is to be repeated with it.
+        """Return the longest next step, None for any; and whether this step is to be repeated with it.
 
         diagonal  (N, 2) [N/mm] of the stiffness in this step
         """
@@ -92,7 +92,7 @@ class Impacts:
         if self.pressed:
             change = (self.state["internal_force"] - self.before) ** 2 * self.mobility
             error = dt / 12.0 * float(np.sqrt(change.sum() / (2.0 * memory[ENERGY]))) / TOLERANCE
-            nodal = diagonal.sum(axis=1, keepdims=True)  # at most; of one axis it would be another in another frame
+            nodal = diagonal.sum(axis=1, keepdims=True)  # upper bound; for one axis it would depend on the frame
             rate = float((change * self.mobility * nodal).sum()) / max(float(change.sum()), 1e-300)
             shortest = COURANT * float(np.sqrt(2.0 / max(rate, 1e-300)))
             if error > 1.0:
@@ -102,7 +102,7 @@ class Impacts:
                 return float(memory[LIMIT]), repeat
         if error < GROW:
             if dt < before * (1.0 - 1e-9):
-                memory[LIMIT] = 0.0  # steps are what the scene wishes
+                memory[LIMIT] = 0.0  # steps as in the scene
                 return None, False
             memory[LIMIT] = max(before, 2.0 * dt)
         return float(memory[LIMIT]), False

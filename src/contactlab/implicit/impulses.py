@@ -1,14 +1,14 @@
-"""Velocities at the end of a step: closed surfaces part or meet no more.
+"""Velocities at the end of a step: closed surfaces neither separate nor approach.
 
 A gap that multipliers or stiff springs hold at the end of a step says nothing about velocities there: the midpoint rule
-would let them swing about the right ones for ever. Impulses z with
+would let them oscillate about the right ones for ever. Impulses z with
 
     v = v* + M^-1 (G^T z + T^T C z),   G v = 0
 
-over all closed conditions G (and the tangential ones of those that stick) are the projection of v* in the metric of
+over all closed constraints G (and the tangential rows of constraints in stick) are the projection of v* in the metric
 kinetic energy, which can only fall without friction: 1/2 z . G (v* + v) = -1/2 z . G M^-1 G^T z. Surfaces that slip
-(tangential rows T) have friction C z beside a normal impulse, C = -mu times the sense of the slip: in the step in which
-surfaces meet the midpoint rule needs twice the force that stops them; z takes half of it back, and friction with it.
+(tangential rows T) have friction C z in addition to a normal impulse, C = -mu times the sense of the slip: in the step
+when surfaces meet the midpoint rule needs twice the force that stops them; z removes half of it, and friction with it.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from contactlab.api.frame import STICK
 
 
 class Impulses(NamedTuple):
-    """Impulses [N s] on the nodes (N, 2) and in each condition (r, k), and the works [mJ] that they do.
+    """Impulses [N s] on the nodes (N, 2) and in each constraint (r, k), and their works [mJ].
 
-    What moves others by prescription counts as well. `lost` is the work of normal impulses and of those that stick,
-    `rubbed` that of friction on surfaces that slip.
+    Prescribed motion of other nodes counts as well. `lost` is the work of normal impulses and of impulses in stick,
+    `rubbed` the work of friction on surfaces that slip.
     """
 
     nodal: Floats
@@ -38,8 +38,8 @@ class Impulses(NamedTuple):
 def solve_impulses(contact: ImplicitContact, response: Response, mobility: Floats, velocity: Floats) -> Impulses:
     """Change `velocity` (N, 2) in place by the impulses after which closed contacts do not close further.
 
-    `mobility` (N, 2) is the inverse mass. Springs that are softer than the nodes which they press, with their inertia
-    over the step, stop surfaces in their own time and give back what they store; stiffer ones hold gaps as multipliers.
+    `mobility` (N, 2) is the inverse mass. Springs that are softer than their nodes, with the inertia
+    over the step, stop surfaces gradually and return the stored energy; stiffer springs hold gaps like multipliers.
     """
     force, enforcement = contact.conditions.force, contact.enforcement
     closed = contact.conditions.present & (force[0] > 0.0)
@@ -59,7 +59,7 @@ def solve_impulses(contact: ImplicitContact, response: Response, mobility: Float
     acting = vstack([normal + rubbing, tangent[stick]], format="csr") if len(stick) else normal + rubbing
     speed, sliding = held @ velocity.reshape(-1), rubbing @ velocity.reshape(-1)
     flexible = held @ diags_array(mobility.reshape(-1)) @ acting.T
-    # conditions that hold the same motion twice share their impulse
+    # redundant constraints share their impulse
     impulse = -np.linalg.lstsq(flexible.toarray(), speed, rcond=1e-12)[0]
     each, count = np.zeros_like(force), normal.shape[0]
     each[0, closed] = impulse[:count]

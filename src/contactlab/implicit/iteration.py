@@ -15,23 +15,23 @@ from contactlab.implicit.saddle import SaddleSystem
 from contactlab.implicit.scales import AWAY, Residual, Scales
 from contactlab.implicit.trial import Balance, Trial
 
-AUGMENTATIONS = 40  # times the iterations of a step that taking over forces may need
+AUGMENTATIONS = 40  # times the iterations of a step, for augmentations
 TAKEOVERS = 40  # times that friction may take newer normal forces or slips in a step
-FALLING, FALL = 6, 0.9  # residuals in a row, each below that of the one before: then more iterations are made
+FALLING, FALL = 6, 0.9  # residuals in a row, each below the last: then more iterations are made
 MORE = 4  # times the wished iterations, at most
 TOUCHING = 1e-9  # segment lengths
-SOFT = 1e-10  # of the stiffest node: springs in place of what holds a body, while none does
-NEAR, FARTHEST = 0.01, 2.0  # segments deep that a body meets what is to hold it; sizes of the model to look for it
-LEAP, SMALL = 30.0, 0.01  # times the step's motion so far, and sizes of the model, that what slides may move at once
-STICKS, RELEASED = 3, 1e-3  # times in a step that all surfaces stick for a while; residual that ends it
+SOFT = 1e-10  # of the stiffest node: springs for a body that nothing holds yet
+NEAR, FARTHEST = 0.01, 2.0  # depth in segments at which a body meets its contact; search distance in model sizes
+LEAP, SMALL = 30.0, 0.01  # limits of sliding per correction: times the step's motion so far, sizes of the model
+STICKS, RELEASED = 3, 1e-3  # times in a step that all surfaces stick temporarily; residual that ends it
 
 
 @dataclass
 class Outcome:
-    """How the iteration of a step ended; `reason` is empty if it converged.
+    """End of the iteration of a step; `reason` is empty if it converged.
 
     longest  see `contactlab.api.Step`
-    motion   (N, 2) [mm] what `contactlab.api.ImplicitMotion.solve` returns
+    motion   (N, 2) [mm] result of `contactlab.api.ImplicitMotion.solve`
     """
 
     reason: str = ""
@@ -45,8 +45,8 @@ class NewtonIteration:
     """Iterates one run's steps; works on the state's displacement and multipliers in place.
 
     trial   the state that is iterated, and the forces that belong to it
-    scales  what forces and lengths are measured by
-    search  how much of each correction is taken
+    scales  scales of forces and lengths
+    search  line search for each correction
     system  the linear system of displacements and multipliers
     """
 
@@ -61,12 +61,12 @@ class NewtonIteration:
         self.stuck = 0  # times that all surfaces were made to stick in this step
         self.takeovers = 0  # times that friction took newer normal forces or slips in this step
         self.start: Floats = self.trial.u.copy()  # displacements at the start of the step
-        self.soft = False  # whether the last correction needed soft springs
+        self.soft = False  # True if the last correction needed soft springs
 
     def run(self, dt: float, target: Floats, limited: int | None = None) -> Outcome:
         """Iterate until the state is in balance with prescribed displacements `target` (p,) [mm].
 
-        limited  corrections that may be shortened before the step is given up; None: any number
+        limited  number of shortened corrections before the step is given up; None: any number
         """
         outcome, trial = Outcome(), self.trial
         self.system.solver.forget()
@@ -76,7 +76,7 @@ class NewtonIteration:
         self.scales.floor, self.start = 0.0, trial.u.copy()
         trial.balance.update_stresses(dt)
         given = np.zeros(trial.u.size)
-        began, softly = 0, 0  # iterations when forces were taken over; times that only soft springs kept balance
+        began, softly = 0, 0  # iterations at the last augmentation; times that only soft springs kept balance
         while self._goes_on(outcome.trace[began:]):
             self._linearise(dt)
             if not outcome.trace and self._at_rest(target, outcome):
@@ -123,14 +123,14 @@ class NewtonIteration:
         return outcome
 
     def _at_rest(self, target: Floats, outcome: Outcome) -> bool:
-        """Whether the state is in balance as it is: nothing was moved or loaded, and there is nothing to solve."""
+        """Return whether the state is in balance unchanged: nothing was moved or loaded, nothing is left to solve."""
         if np.any(self.trial.still_to_move(target)):
             return False
         outcome.residual = self._residual()
         return outcome.residual.largest <= self.tolerance and not (self._unsettled(outcome) or self._augment(outcome))
 
     def _goes_on(self, trace: list[Iteration]) -> bool:
-        """Whether another iteration is made: up to the wished number, and on while residuals fall all the time."""
+        """Return whether to iterate again: up to the wished number, and further while residuals fall steadily."""
         if len(trace) < self.most:
             return True
         left = [max(one.force, one.contact) for one in trace[-FALLING:]]
@@ -138,7 +138,7 @@ class NewtonIteration:
         return fell and len(trace) < MORE * self.most
 
     def _unsettled(self, outcome: Outcome) -> bool:
-        """Whether friction has taken newer normal forces or slips; the reason is given after too many times."""
+        """Return whether friction has taken newer normal forces or slips; sets the reason after too many times."""
         contact = self.trial.contact
         if contact is None or contact.settled():
             return False
@@ -153,7 +153,7 @@ class NewtonIteration:
         return True
 
     def _augment(self, outcome: Outcome) -> bool:
-        """Whether the enforcement wants to go on from the forces it has found; they are its anchor then."""
+        """Return whether the enforcement continues from its forces, which then become its anchor."""
         contact = self.trial.contact
         if contact is None or not contact.enforcement.augments:
             return False
@@ -171,7 +171,7 @@ class NewtonIteration:
     # --- one iteration --------------------------------------------------------------------------
 
     def _correction(self, given: Floats, left: float) -> tuple[Floats, Floats]:
-        """Of displacements and multipliers; what is held by nothing but friction is held from its first touch on."""
+        """Return corrections of displacements and multipliers; friction alone holds parts from first contact on."""
         contact, self.soft, away = self.trial.contact, False, self._away(given)
         try:
             du, dy = self._solved(given, left)
@@ -191,9 +191,9 @@ class NewtonIteration:
         return self._softly(given, problem)
 
     def _stick(self) -> bool:
-        """Let all surfaces with friction stick until the iteration is near balance; whether any slid before.
+        """Let all surfaces with friction stick until the iteration is near balance. Return whether any slid before.
 
-        While all of a body's surfaces slide, next to nothing holds it from rolling.
+        While all of a body's surfaces slide, almost nothing resists its rolling.
         """
         if self.trial.sticks or self.stuck == STICKS or not self._slides():
             return False
@@ -206,17 +206,17 @@ class NewtonIteration:
         return contact is not None and bool(len(contact.conditions.slip) and np.any(self.trial.response.status == SLIP))
 
     def _away(self, given: Floats) -> float:
-        """Largest motion [mm] of a correction with which bodies count as held."""
+        """Return the largest motion [mm] of a correction up to which bodies count as held."""
         moved = max(float(np.abs(self.trial.u - self.start).max()), float(np.abs(given).max()))
         if not self.trial.sticks and self.stuck < STICKS and self._slides():
             return max(LEAP * moved, SMALL * self.scales.size)
         return AWAY * self.scales.size
 
     def _softly(self, given: Floats, problem: str) -> tuple[Floats, Floats]:
-        """Correct with soft springs in place of what does not hold a body yet; raises SingularSystem if nothing will.
+        """Correct with soft springs for a body without contact yet; raise SingularSystem if nothing will hold it.
 
-        A body that its load drives is moved by it until surfaces meet, and nothing else is in this iteration; motions
-        that nothing drives need no more than the springs until others hold them.
+        A body driven by its load moves until surfaces meet, and nothing else does in this iteration; motions
+        without load need only the springs until others hold them.
         """
         trial, self.soft = self.trial, True
         force, spring = trial.force.reshape(-1), SOFT * float(self.stiffness.diagonal().max())
@@ -246,7 +246,7 @@ class NewtonIteration:
         return found
 
     def _hold(self) -> bool:
-        """Let surfaces stick that touch without a force yet, as friction has no bound then; whether any do."""
+        """Let surfaces stick that touch without a force yet, as friction has no bound then. Return whether any do."""
         contact = self.trial.contact
         if contact is None or not len(contact.conditions.slip):
             return False
@@ -257,7 +257,7 @@ class NewtonIteration:
         return bool(touch.any())
 
     def _linearise(self, dt: float) -> None:
-        """Stiffness at the trial state, and the contact stiffnesses that follow from it."""
+        """Compute stiffness at the trial state, and the contact stiffnesses that follow from it."""
         trial, first = self.trial, self.scales.floor == 0.0
         self.stiffness = trial.balance.stiffness(dt)
         diagonal = np.abs(self.stiffness.diagonal()).reshape(trial.u.shape)
@@ -283,9 +283,9 @@ class NewtonIteration:
 
 
 def take_back(equations: ImplicitEquations, state: State, start: Floats) -> None:
-    """The state as it was at the `start` of a step, and the equations with it, bit for bit."""
+    """Restore the state and the equations to the `start` of a step, bit for bit."""
     state.restore(start)
     equations.begin_step(0.0)
     equations.internal_force(0.0)
-    # forces of that evaluation may differ from those that were reached by a step, in their last digits
+    # forces of this evaluation may differ from the forces reached by a step, in their last digits
     state.restore(start)

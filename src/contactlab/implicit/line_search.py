@@ -1,4 +1,4 @@
-"""How much of Newton's correction is taken: less where cells fold, surfaces pass through, or statuses go in circles."""
+"""Line search for Newton's correction: shortened if cells fold, surfaces pass through, or contact states cycle."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from contactlab.implicit.scales import Scales
 from contactlab.implicit.trial import Trial
 
 DEEPEST = 1.0  # segment lengths that a correction may push a surface into the other
-CAREFUL = (1.0, 0.5, 0.25, 0.125)  # fractions tried once statuses go round in circles
+CAREFUL = (1.0, 0.5, 0.25, 0.125)  # fractions tried once contact states cycle
 SHORTEST = 1.0 / 64.0  # of a correction: below it the step is given up
-FEW_CELLS = 50.0  # segments across the model where no condition tells their length
-MOST_PIECES = 64  # of a correction at whose ends conditions are asked, too
+FEW_CELLS = 50.0  # segments across the model, if no constraint gives their length
+MOST_PIECES = 64  # of a correction, with constraints evaluated at their ends
 
 
 class LineSearch:
-    """Takes corrections of one trial; remembers the patterns of statuses that a step has come to."""
+    """Applies corrections of one trial; remembers the patterns of contact states within a step."""
 
     def __init__(self, trial: Trial, scales: Scales) -> None:
         self.trial, self.scales = trial, scales
@@ -24,16 +24,16 @@ class LineSearch:
         self.circling = False
 
     def forget(self) -> None:
-        """Begin a step: no pattern of statuses has been seen."""
+        """Begin a step without seen patterns of contact states."""
         self.seen.clear()
         self.circling = False
 
     def take(self, dt: float, du: Floats, dy: Floats, given: Floats) -> tuple[str, float, int]:
-        """Correct the trial once; returns what limited the correction, the fraction taken, and status changes.
+        """Correct the trial once. Return the reason of a limit, the fraction taken, and the number of state changes.
 
         du     (N, 2) [mm] correction of the displacements
         dy     (r, k) [N] correction of the multipliers
-        given  (2N,) [mm] what prescribed degrees of freedom move by if all of it is taken
+        given  (2N,) [mm] motion of prescribed degrees of freedom by a full correction
         """
         response = self.trial.response
         before = response.status.copy()
@@ -46,7 +46,7 @@ class LineSearch:
         return note, length, changed
 
     def _careful(self, dt: float, du: Floats, dy: Floats, given: Floats) -> tuple[str, float]:
-        """Statuses go round in circles: of some fractions of the correction take the one that leaves least to do."""
+        """Try several step lengths if contact states cycle, and keep the one with the smallest residual."""
         u, y = self.trial.u, self.trial.multipliers
         start, y_start, found = u.copy(), y.copy(), []
         for part in CAREFUL:
@@ -59,10 +59,10 @@ class LineSearch:
         if part != found[-1][2]:
             u[:], y[:] = start, y_start
             self._move(dt, part * du, part * dy, given if part == 1.0 else part * given)
-        return note or ("" if part == 1.0 else "statuses go round in circles"), length
+        return note or ("" if part == 1.0 else "contact states cycle"), length
 
     def _left_to_do(self) -> float:
-        """Sum of squares [mm^2] of unbalanced forces and violated conditions, each over its stiffness."""
+        """Return the sum of squares [mm^2] of unbalanced forces and constraint residuals, each over its stiffness."""
         trial = self.trial
         rest = float((trial.force**2 * self.scales.flexibility**2).sum())
         if trial.contact is not None:
@@ -71,7 +71,7 @@ class LineSearch:
         return rest if np.isfinite(rest) else np.inf
 
     def _move(self, dt: float, du: Floats, dy: Floats, given: Floats) -> tuple[str, float]:
-        """Take as much of a correction as keeps cells unfolded and surfaces from passing through each other."""
+        """Apply as much of a correction as keeps cells unfolded and surfaces from passing through each other."""
         trial, u, y = self.trial, self.trial.u, self.trial.multipliers
         start, y_start = u.copy(), y.copy()
         length, note = self._reach(start, du)
@@ -89,10 +89,10 @@ class LineSearch:
         return note, 0.0
 
     def _work(self, du: Floats, given: Floats) -> float:
-        """Largest work of unbalanced forces along a correction at its end: with potentials, that at its start.
+        """Return the largest work of unbalanced forces along a correction at its end; with potentials, at its start.
 
-        A correction that ends where the energy of potentials grows has gone too far. While supports move, or
-        with conditions, there is no energy that would fall.
+        A correction that ends at growing potential energy has gone too far. While supports move, or
+        with constraints, there is no energy that would fall.
         """
         contact = self.trial.contact
         if contact is None or not contact.by_energy or np.any(given) or contact.conditions.present.any():
@@ -100,7 +100,7 @@ class LineSearch:
         return abs(float(np.vdot(self.trial.force * self.scales.free, du)))
 
     def _reach(self, start: Floats, du: Floats) -> tuple[float, str]:
-        """Fraction of a correction at which the first condition is pushed too deep, or a node through a surface."""
+        """Return the fraction of a correction at which a surface penetrates too deep, or a node passes through."""
         contact = self.trial.contact
         if contact is None:
             return 1.0, ""
@@ -115,7 +115,7 @@ class LineSearch:
         return length, "surfaces would pass through each other" if length < 1.0 else ""
 
     def _watched(self, place: Floats, du: Floats, pieces: int) -> float:
-        """Fraction of a correction at which a condition sees a surface too deep in the other; 1 if none does."""
+        """Return the fraction of a correction at which a constraint penetrates too deep; 1 if none does."""
         contact = self.trial.contact
         assert contact is not None
         conditions, length = contact.conditions, 1.0

@@ -1,4 +1,4 @@
-"""One quasi-static load step: iterate, then book what it did."""
+"""A quasi-static load increment: iterate, then book its work."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from contactlab.implicit.prediction import Prediction
 from contactlab.implicit.relaxation import Relaxation
 from contactlab.implicit.trial import ContactForces
 
-LIMITED = 3  # corrections that may be shortened where bodies flow on as in the step before: a shorter step costs less
+LIMITED = 3  # shortened corrections if bodies flow as in the step before: a shorter step costs less
 INTERNAL, EXTERNAL, CONTACT, FRICTION, SLIP = (
     WORK.index(name) for name in ("internal", "external", "contact", "friction", "slip")
 )
 
 
 class LoadStep:
-    """Makes load steps of one run. Implements `Balance` for statics."""
+    """Makes load increments of one run. Implements `Balance` for statics."""
 
     def __init__(self, equations: ImplicitEquations, state: State, tolerance: float, iterations: int) -> None:
         self.equations, self.state = equations, state
@@ -33,18 +33,18 @@ class LoadStep:
         self.relaxation: Relaxation | None = None
 
     def of_stresses(self, diagonal: Floats) -> Floats:
-        """All of it: there are no masses."""
+        """Return all of it: there are no masses."""
         return diagonal
 
     def solve(self, dt: float) -> Outcome:
-        """Advance the state by dt of (pseudo-)time; it is left anywhere where that fails."""
+        """Advance the state by dt of (pseudo-)time; the state is undefined on failure."""
         equations, state = self.equations, self.state
         before = state["displacement"].copy()
         outcome = self._relax(dt) if equations.stabilised else self._iterate(dt)
         if not outcome.reason:
             outcome.motion = state["displacement"] - before
             if self.prediction is not None:
-                # nothing goes on as a jump did
+                # a jump is not extrapolated
                 self.prediction.moved[:] = 0.0 if equations.stabilised else outcome.motion
         return outcome
 
@@ -66,7 +66,7 @@ class LoadStep:
         return outcome
 
     def _relax(self, dt: float) -> Outcome:
-        """As `_iterate`, by way of states that viscous forces hold back; see `Relaxation`."""
+        """Iterate through states slowed by viscous forces; see `Relaxation`."""
         if self.relaxation is None:
             self.relaxation = Relaxation(self.equations, self.state)
         try:
@@ -75,10 +75,10 @@ class LoadStep:
             self.relaxation.active = False
 
     def start(self, dt: float, loaded: float | None = None) -> None:
-        """Forces at the start of the step, for the ledger; `loaded`: the time [s] of loads that were there before."""
+        """Set forces at the start of the step, for the energy balance; `loaded`: the time [s] of earlier loads."""
         state = self.state
         self.time = state.time if loaded is None else loaded
-        # what follows the clock has its old stress there
+        # time-dependent laws have their old stress there
         timed = bool(getattr(self.equations, "needs", ()))
         self.equations.internal_force(0.0 if timed else dt)
         if self.equations.contact is not None:
@@ -86,14 +86,14 @@ class LoadStep:
         out = np.zeros_like(self.external)
         self.unbalanced(out)
         out.reshape(-1)[self.equations.prescribed.dof] = 0.0
-        # a load that nothing carries yet grows during the step: its work is that of a load path in balance
+        # a load that nothing carries yet grows during the step: its work follows a load path in balance
         carried = self.external - out if loaded is None else self.external
         self.ledger.begin_step(carried, self.contact_forces.normal, self.contact_forces.tangential)
         if timed:
             self.equations.internal_force(dt)
 
     def _begin_at(self, expected: Estimate, dt: float, target: Floats) -> None:
-        """Let the iteration begin at an expected state, unless cells fold over there."""
+        """Start the iteration at an expected state, unless cells fold over there."""
         equations, contact, displacement = self.equations, self.equations.contact, self.state["displacement"]
         before = displacement.copy()
         displacement[:] = expected.displacement
@@ -111,14 +111,14 @@ class LoadStep:
             conditions.force[:, ~conditions.present] = 0.0
 
     def _reachable(self, before: Floats) -> bool:
-        """Whether potentials allow the motion from the displacement `before` (N, 2) [mm] to the present one."""
+        """Return whether potentials allow the motion from the displacement `before` (N, 2) [mm] to the present one."""
         contact, now = self.equations.contact, self.state["displacement"]
         if contact is None or not contact.by_energy:
             return True
         return contact.free_share(self.equations.reference + before, now - before, np.inf) == 1.0
 
     def accept(self) -> None:
-        """Book the step, and make the trial the state."""
+        """Book the step, and accept the trial as state."""
         state, contact, own = self.state, self.equations.contact, self.contact_forces
         rubbed = 0.0, 0.0
         if contact is not None:
@@ -135,11 +135,11 @@ class LoadStep:
     # --- Balance --------------------------------------------------------------------------------
 
     def update_stresses(self, dt: float) -> None:
-        """Those at the end of the step."""
+        """Compute stresses at the end of the step."""
         self.equations.internal_force(dt)
 
     def unbalanced(self, out: Floats) -> tuple[Floats, ...]:
-        """External and contact forces minus internal ones."""
+        """Fill external and contact forces minus internal forces."""
         self.equations.external_force(self.time, self.external)
         np.subtract(self.external, self.state["internal_force"], out=out)
         self.contact_forces.add_to(out)
@@ -148,7 +148,7 @@ class LoadStep:
         return self.external, self.state["internal_force"], self.contact_forces.normal
 
     def stiffness(self, dt: float) -> Any:
-        """That of the bodies and of loads that follow them."""
+        """Return the stiffness of the bodies and of follower loads."""
         matrix = self.equations.stiffness(dt)
         self.equations.add_load_stiffness(self.time, matrix, 1.0, 0.0)
         if self.relaxation is not None and self.relaxation.active:
@@ -167,7 +167,7 @@ class Ledger:
         self.before: list[Floats] = []
 
     def begin_step(self, external: Floats, normal: Floats, tangential: Floats) -> None:
-        """Remember forces and positions at the start."""
+        """Save forces and positions at the start."""
         state = self.state
         self.displacement = state["displacement"].copy()
         self.before = [state[name].copy() for name in ("internal_force", "reaction")] + [
@@ -177,7 +177,7 @@ class Ledger:
         ]
 
     def end(self, external: Floats, normal: Floats, tangential: Floats, slid: tuple[float, float]) -> None:
-        """Book the step that led from there to the state as it is; `slid` as `friction_along_the_way` gives it."""
+        """Book the step from there to the present state; `slid` is the result of `friction_along_the_way`."""
         state, work = self.state, self.state["work"]
         moved = state["displacement"] - self.displacement
         internal, reaction, loads, pressed, rubbed = self.before

@@ -1,4 +1,4 @@
-"""Implicit steps by one primitive: the core iterates, books work and reactions, and restores steps that fail."""
+"""Implicit steps by one primitive: the core iterates, books work and reactions, and restores failed steps."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from contactlab.implicit.time_step import Scheme, TimeStep
 
 
 def bound(integrator: ImplicitIntegrator, equations: ImplicitEquations, state: State) -> Callable[[float], Step]:
-    """The function that makes steps of an integrator which is written by `solve`."""
+    """Return the step function of an integrator that is written by `solve`."""
     return SolvedMotion(integrator, equations, state).advance
 
 
 class NotSolved(ArithmeticError):
-    """The step has no solution that the iteration finds: `step` of the integrator ends here."""
+    """Signal of a step without a solution found by the iteration: `step` of the integrator ends here."""
 
 
 class SolvedMotion:
@@ -81,8 +81,8 @@ class SolvedMotion:
             raise WrongAnswer(f"{self.name}: its step solves twice, needed: motion.solve() once in each step")
         if (velocity is None or acceleration is None) == ("velocity" in self.state):
             raise WrongAnswer(
-                f"{self.name}: its step solves for motion by halves, needed: velocity and acceleration where the class "
-                "has inertia, and neither of them where it has not"
+                f"{self.name}: its step solves for motion by halves, needed: velocity and acceleration if the class "
+                "has inertia, else neither"
             )
         if velocity is None or acceleration is None:
             self.outcome = self.statics.solve(self.dt)
@@ -100,7 +100,7 @@ class SolvedMotion:
         return self.dynamics.acceleration()
 
     def _rate(self, function: OfMotion) -> float:
-        """Derivative of an affine function, without round-off: its imaginary part."""
+        """Return the derivative of an affine function, without round-off: its imaginary part."""
         rates = np.imag(function(np.full(self.velocity.shape, 1j))).ravel()
         if not rates[0] > 0.0 or (rates != rates[0]).any():
             raise WrongAnswer(

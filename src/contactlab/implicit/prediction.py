@@ -1,10 +1,10 @@
-"""Where the iteration of a load step starts from: with a history, bodies go on as they went in the step before.
+"""Start of the iteration of a load increment: with a history, bodies continue their motion of the step before.
 
-At the start of a step the stiffness of a law with history is the elastic one. A correction by it loads contact many
-times more than the step will, and most of the iterations are spent on conditions that it opened and closed wrongly.
-Strains that go on as before make the law flow from the first iteration on (de Souza Neto, Peric & Owen 2008, 4.4).
-With friction contact finds what sticks a little sooner. Without either, steps are long, and a motion that was right for
-the step before opens and closes more than it saves.
+At the start of a step the stiffness of a law with history is elastic. A correction by it loads contact many
+times more than the step will, and most of the iterations are spent on constraints that it opened and closed wrongly.
+Continued strains make the law flow from the first iteration on (de Souza Neto, Peric & Owen 2008, 4.4).
+With friction contact finds its stick zones a little sooner. Without both, steps are long, and the motion of the
+step before opens and closes more than it saves.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 
 from contactlab.api import Floats, ImplicitEquations, State
 
-FARTHEST = 4.0  # times the step before: beyond it nothing is known
+FARTHEST = 4.0  # times the step before: no extrapolation beyond
 ALONG = 0.9  # cosine between the motions of two steps, below which the loading turns
 
 
@@ -23,8 +23,8 @@ class Prediction:
     """Works on the state's displacement in place.
 
     moved    (N, 2) [mm] motion of the last step, kept in the state
-    flows    whether a law has a history
-    follows  whether steps go on as the one before: bodies flow, or there is friction
+    flows    True if a law has a history
+    follows  True if steps continue the step before: bodies flow, or there is friction
     """
 
     def __init__(self, equations: ImplicitEquations, state: State) -> None:
@@ -35,11 +35,11 @@ class Prediction:
         self.load: Floats = np.zeros_like(self.moved)
 
     def start(self, dt: float, target: Floats, reachable: Callable[[Floats], bool] = lambda before: True) -> bool:
-        """Extrapolate to the end of a step of length dt [s], where prescribed displacements are `target` (p,) [mm].
+        """Extrapolate to the end of a step of length dt [s] with prescribed displacements `target` (p,) [mm].
 
-        `reachable` says whether the state may go there at once from a displacement (N, 2) [mm].
+        `reachable` returns whether the state may go there directly from a displacement (N, 2) [mm].
 
-        False where the state is left as it is: nothing to go on with, no step before, or loading that turns.
+        Returns False if the state is unchanged: no flow, no step before, or loading that turns.
         """
         ratio = self._ratio(dt, target) if self.follows and self.state.last_dt else 0.0
         if not 0.0 < ratio <= FARTHEST:
@@ -58,7 +58,7 @@ class Prediction:
         return True
 
     def _ratio(self, dt: float, target: Floats) -> float:
-        """Of the step to that before it: by prescribed motion, or by loads where nothing is moved."""
+        """Return the ratio of the step to the last step: by prescribed motion, or by loads if nothing is moved."""
         held = self.equations.prescribed.dof
         ahead = target - self.state["displacement"].reshape(-1)[held]
         ratio = _along(ahead, self.moved.reshape(-1)[held])
@@ -75,7 +75,7 @@ class Prediction:
 
 
 def _along(ahead: Floats, behind: Floats) -> float | None:
-    """How many times `behind` goes into `ahead`; 0 where they point in different directions, None without any."""
+    """Return the ratio of `ahead` to `behind`; 0 if their directions differ, None without any."""
     size = float(behind @ behind)
     if size == 0.0:
         return None

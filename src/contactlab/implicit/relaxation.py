@@ -2,11 +2,11 @@
 
     f(u) + (D/h) (u - u_k) = e + G^T y,   D = the diagonal of the undeformed bodies' stiffness
 
-One load step that Newton's method cannot make is made in substeps of pseudo-time h at the load of its end (Kelley &
-Keyes 1998: pseudo-transient continuation). Short ones go down the slope of the energy from where the step began, so
-that what snaps, slips off or is held by nothing yet moves until something holds it. h grows as long as the iteration is
+A load step that Newton's method cannot make is made in substeps of pseudo-time h at the load of its end (Kelley &
+Keyes 1998: pseudo-transient continuation). Short substeps descend the energy from the start of the step, so that
+bodies that snap, slip or are not held yet move until something holds them. h grows as long as the iteration is
 easy, the viscous forces vanish with it, and the last substep has none: the end is an equilibrium to the tolerance.
-Their work is that of the jump, which bodies with inertia would turn into vibration; it is booked as numerical.
+Their work is the work of the jump, which bodies with inertia would turn into vibration; it is booked as numerical.
 """
 
 from __future__ import annotations
@@ -24,24 +24,24 @@ if TYPE_CHECKING:
     from contactlab.implicit.load_step import LoadStep
 
 NUMERICAL = WORK.index("numerical")
-SUBSTEPS = 80  # of a load step: those that come to rest need 10 to 30
+SUBSTEPS = 80  # of a load step: convergent steps need 10 to 30
 EASY = 8  # iterations of a substep after which a longer one is tried
 GROW, CUT = 4.0, 0.125
-FIRST = 100.0  # times the number of nodes: 1 is what single nodes take among held ones, and a bent body that number
+FIRST = 100.0  # times the number of nodes: 1 suits single nodes among held nodes, and a bent body needs that number
 SHORTEST = 1.0
 MOST = 8  # times the wished iterations, in all substeps together
-SMALL, FINER = 1e-3, 1e-2  # of the largest force: viscous forces below it are left out; where that failed, later
-SOFT = 1e-8  # of the stiffness: holds what no support does, where bodies follow supports
-FAR = 10.0  # sizes of the model: what is carried farther comes to no rest
-MOMENT = 1e-9  # of the step: time that laws which depend on it see in substeps after the first
+SMALL, FINER = 1e-3, 1e-2  # of the largest force: viscous forces below it are left out; on failure, later
+SOFT = 1e-8  # of the stiffness: holds unsupported bodies, if bodies follow supports
+FAR = 10.0  # sizes of the model: no rest beyond
+MOMENT = 1e-9  # of the step: time for time-dependent laws in substeps after the first
 
 
 class Relaxation:
     """The viscous forces of one run's load steps.
 
-    active     whether there are any in the present substep
-    viscosity  (N, 2) [N/mm] D/h, 0 where displacements are given
-    drift      (N, 2) [mm] by which bodies follow their supports in the first substep: nothing holds them back from that
+    active     True if the present substep has viscous forces
+    viscosity  (N, 2) [N/mm] D/h, 0 if displacements are given
+    drift      (N, 2) [mm] by which bodies follow their supports in the first substep, without viscous resistance
     anchor     (N, 2) [mm] displacements at the start of the substep, and the drift
     """
 
@@ -52,7 +52,7 @@ class Relaxation:
         self.viscosity, self.drift, self.anchor, self.before = (np.zeros((nodes, 2)) for _ in range(4))
 
     def solve(self, load: LoadStep, dt: float) -> Outcome:
-        """Make a load step of length dt [s] in substeps; the state is left anywhere where that fails."""
+        """Make a load step of length dt [s] in substeps; the state is undefined on failure."""
         equations, state, iteration = self.equations, self.state, load.iteration
         prescribed, size = equations.prescribed, iteration.scales.size
         end = state.time + dt
@@ -98,11 +98,11 @@ class Relaxation:
         return Outcome(f"stabilised: {reason}", outcome.residual, trace)
 
     def force(self) -> Floats:
-        """Viscous forces (N, 2) [N] at the trial displacements."""
+        """Return viscous forces (N, 2) [N] at the trial displacements."""
         return self.viscosity * (self.anchor - self.state["displacement"])
 
     def _damping(self, dt: float) -> tuple[Any, Floats]:
-        """Stiffness (2N, 2N) of the undeformed bodies, and D (N, 2) [N/mm]."""
+        """Return the stiffness (2N, 2N) of the undeformed bodies, and D (N, 2) [N/mm]."""
         equations, u = self.equations, self.state["displacement"]
         before = u.copy()
         equations.begin_step(dt)
@@ -115,7 +115,7 @@ class Relaxation:
         return stiffness, damping
 
     def _carried(self, load: LoadStep, stiffness: Any, damping: Floats, target: Floats) -> Floats:
-        """Motion (N, 2) [mm] by which undeformed bodies would follow their supports."""
+        """Return the motion (N, 2) [mm] by which undeformed bodies would follow their supports."""
         u, held = self.state["displacement"].reshape(-1), self.equations.prescribed.dof
         given = np.zeros(u.size)
         given[held] = target - u[held]
@@ -127,12 +127,12 @@ class Relaxation:
         return carried.reshape(damping.shape)
 
     def _left(self, load: LoadStep) -> float:
-        """Largest viscous force over the largest force."""
+        """Return the largest viscous force over the largest force."""
         scales, trial = load.iteration.scales, load.iteration.trial
         return float(np.abs(self.force()).max(initial=0.0)) / force_scale(list(trial.parts), scales.floor)
 
     def _book(self, load: LoadStep) -> None:
-        """Book the work of a substep by the trapezoidal rule, as that of all other forces is."""
+        """Book the work of a substep by the trapezoidal rule, as for all other forces."""
         force, moved = self.force(), self.state["displacement"] - load.ledger.displacement
         self.state["work"][NUMERICAL] -= 0.5 * float(np.vdot(self.before + force, moved))
         self.before[:] = force

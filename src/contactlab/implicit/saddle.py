@@ -1,9 +1,9 @@
-"""One Newton step: linearised balance of forces and contact conditions in one saddle point system.
+"""A Newton step: linearised balance of forces and contact constraints in one saddle point system.
 
     [A - dF/du   -C^T] [du]   [unbalanced]
     [   -H        -B ] [dy] = [ residual ]
 
-Rows and columns of the second kind exist only where an enforcement's condition depends on a gap; forces
+Rows and columns of the second kind exist only if an enforcement's constraint depends on a gap; forces
 that it gives explicitly (open: none; slip: the bound) are eliminated before.
 """
 
@@ -23,19 +23,19 @@ Indices = NDArray[np.integer[Any]]
 Entries = tuple[Indices, Indices, Floats]
 """Rows, columns and values (e,) of a matrix."""
 
-REDUNDANT = 3e-12  # softness of a condition over that of its nodes: two that hold the same motion share their force
-RIGID = 1e-12  # share of a condition's weights: below it no free degree of freedom takes part
+REDUNDANT = 3e-12  # softness of a constraint over nodal softness: redundant constraints share their force
+RIGID = 1e-12  # share of a constraint's weights: below it no free degree of freedom takes part
 
 
 @dataclass
 class Elimination:
-    """Which forces are unknowns, and what the others are.
+    """The unknown forces of a Newton step, and the values of the others.
 
     normal, tangential  slots (int) whose forces are unknowns
-    change              (r, k) corrections of the explicit forces, those of sliding ones without the share of
+    change              (r, k) corrections of the explicit forces, in slip without the share of
                         their unknown normal force
-    sliding_shear       (k,) d(y_t)/d(y_n) of sliding conditions
-    residual, by_force  (r, k) divided by by_gap; cross (k,) alike, of unknown tangential forces
+    sliding_shear       (k,) d(y_t)/d(y_n) of constraints in slip
+    residual, by_force  (r, k) divided by by_gap; cross (k,) likewise, of unknown tangential forces
     """
 
     normal: Indices
@@ -54,18 +54,18 @@ class Elimination:
 
 
 def eliminate(response: Response) -> Elimination:
-    """Sort conditions into unknown and explicit forces."""
+    """Sort constraints into unknown and explicit forces."""
     r = response
     rows, slots = r.residual.shape
     unknown = r.by_gap != 0.0
     change, residual, by_force = (np.zeros((rows, slots)) for _ in range(3))
     np.divide(-r.residual, r.by_force, out=change, where=~unknown)
     np.divide(r.residual, r.by_gap, out=residual, where=unknown)
-    # residuals stay what they are: softness costs a digit in eleven of an iteration, not of the solution
+    # residuals are unchanged: softness costs a digit in eleven of an iteration, not of the solution
     np.divide(r.by_force + REDUNDANT, r.by_gap, out=by_force, where=unknown)
     sliding_shear, cross = np.zeros(slots), np.zeros(slots)
     if rows > 1:
-        # a multiple of the normal row removes the gap from the tangential one
+        # a multiple of the normal row removes the gap from the tangential row
         share = r.cross_force - r.cross_gap * by_force[0]
         rest = r.residual[1] - r.cross_gap * residual[0] + np.where(unknown[0], 0.0, r.cross_force * change[0])
         share = np.where(unknown[0], share, 0.0)
@@ -91,7 +91,7 @@ class SaddleSystem:
         self.free = np.flatnonzero(moving)
         self.number = np.full(self.size, -1, np.int32)
         self.number[self.free] = np.arange(len(self.free))
-        # entries of the stiffness between free degrees of freedom, and their number in each column of those
+        # entries of the stiffness between free degrees of freedom, and their number in each such column
         self._inner: tuple[Indices, Indices] | None = None
         self.solver = ReusedFactor(reference[self.free // 2])
         self.potentials = np.zeros(self.size)
@@ -105,12 +105,12 @@ class SaddleSystem:
         response: Response,
         residual: float,
     ) -> tuple[Floats, Floats]:
-        """Corrections of displacements (2N,) and multipliers (r, k).
+        """Return corrections of displacements (2N,) and multipliers (r, k).
 
         stiffness   (2N, 2N) CSC, always of the same pattern
-        unbalanced  (2N,) [N] external and contact forces minus internal ones
+        unbalanced  (2N,) [N] external and contact forces minus internal forces
         given       (2N,) [mm] corrections of prescribed displacements
-        residual    relative residual of the equilibrium, which says how exactly to solve
+        residual    relative residual of the equilibrium, which sets the accuracy
         """
         moving = bool(np.any(given))
         right = unbalanced - stiffness @ given if moving else unbalanced
@@ -136,35 +136,35 @@ class SaddleSystem:
         return du, _forces(plan, solution[len(self.free) :])
 
     def _assembled(self, stiffness: Any, border: list[Entries], size: int) -> Any:
-        """The matrix (CSC). What it is made of is gone when it is factorised, which takes most of the memory."""
+        """Assemble the matrix (CSC). Its parts are freed before the factorisation, which takes most of the memory."""
         parts = zip(self._own(stiffness), *border, strict=True)
         row, column, value = (np.concatenate(part) for part in parts)
-        # as SuperLU numbers entries: others would be copied
+        # in SuperLU's index type: others would be copied
         places = row.astype(np.int32, copy=False), column.astype(np.int32, copy=False)
         return coo_array((value, places), shape=(size, size)).tocsc()
 
     def _own(self, stiffness: Any) -> Entries:
-        """Entries of the stiffness between free degrees of freedom."""
+        """Return entries of the stiffness between free degrees of freedom."""
         if self._inner is None:
             every = np.repeat(self.number, np.diff(stiffness.indptr))
             both = np.flatnonzero((self.number[stiffness.indices] >= 0) & (every >= 0)).astype(np.int32)
             self._inner = both, np.bincount(every[both], minlength=len(self.free)).astype(np.int32)
         inside, count = self._inner
-        # rows and columns are made anew: kept, they would be a part of what a large system takes at its peak
+        # rows and columns are rebuilt: stored, they would add to the peak memory of large systems
         column = np.repeat(np.arange(len(self.free), dtype=np.int32), count)
         return self.number[stiffness.indices[inside]], column, stiffness.data[inside]
 
     def _inside(self, matrix: csr_array) -> Entries:
-        """Entries of a (., 2N) matrix in free columns, rows as they are."""
+        """Return entries of a (., 2N) matrix in free columns, rows unchanged."""
         entries = matrix.tocoo()
         column = self.number[entries.col]
         keep = column >= 0
         return entries.row[keep], column[keep], entries.data[keep]
 
     def _fill_rigid_rows(self, plan: Elimination, derivatives: ContactDerivatives, response: Response) -> None:
-        """Where supports decide alone, as the slip of a node that is held along the surface, a force changes nothing.
+        """Make forces without any effect solvable: constraints decided by supports alone, as slip of a held node.
 
-        It answers the violation of its own condition, until a bound gives it, rather than make the system singular.
+        Such a force answers the residual of its own constraint, until a bound gives it: the system stays regular.
         """
         for kind, (slots, rows) in enumerate(((plan.normal, derivatives.gap), (plan.tangential, derivatives.slip))):
             if len(slots):
@@ -177,7 +177,7 @@ class SaddleSystem:
                 plan.by_force[kind, rigid] = 1.0 / response.by_gap[kind, rigid]
 
     def _border(self, plan: Elimination, derivatives: ContactDerivatives) -> list[Entries]:
-        """Entries of contact: change of forces, columns and rows of the unknown multipliers."""
+        """Return entries of contact: change of forces, columns and rows of the unknown multipliers."""
         first = len(self.free)
         second = first + len(plan.normal)
         force = derivatives.force.tocoo()
@@ -200,7 +200,7 @@ class SaddleSystem:
         return parts
 
     def _both(self, directions: csr_array, derivatives: csr_array, first: int, diagonal: Floats) -> list[Entries]:
-        """Columns of one kind of multipliers, their rows, and their diagonal."""
+        """Return columns of one kind of multipliers, their rows, and their diagonal."""
         row, column, value = self._inside(directions)
         parts = [(column, first + row, -value)]
         row, column, value = self._inside(derivatives)
@@ -218,7 +218,7 @@ def _scaled(factors: Floats, matrix: csr_array) -> csr_array:
 
 
 def _explicit_forces(plan: Elimination, derivatives: ContactDerivatives) -> Floats:
-    """Nodal forces (2N,) of the corrections that are known before the solution."""
+    """Return nodal forces (2N,) of the corrections that are known before the solution."""
     chosen = plan.chosen
     forces = derivatives.normal.T @ plan.change[0, chosen]
     if derivatives.tangent is not None:
@@ -227,7 +227,7 @@ def _explicit_forces(plan: Elimination, derivatives: ContactDerivatives) -> Floa
 
 
 def _conditions_right(plan: Elimination, derivatives: ContactDerivatives, given: Floats | None) -> list[Floats]:
-    """Right-hand sides of the conditions with unknown forces."""
+    """Return right-hand sides of the constraints with unknown forces."""
     lower = [plan.residual[0, plan.normal]]
     if len(plan.tangential):
         lower.append(plan.residual[1, plan.tangential])
@@ -239,7 +239,7 @@ def _conditions_right(plan: Elimination, derivatives: ContactDerivatives, given:
 
 
 def _forces(plan: Elimination, unknown: Floats) -> Floats:
-    """Corrections of all multipliers (r, k), found and given ones."""
+    """Return corrections of all multipliers (r, k), found and given."""
     change = plan.change.copy()
     normal, tangential = np.split(unknown, [len(plan.normal)])
     change[0, plan.normal] = normal

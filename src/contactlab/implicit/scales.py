@@ -1,4 +1,4 @@
-"""When an iteration has converged: residuals over scales that follow from the model itself."""
+"""Convergence criteria of an iteration: residuals over scales that follow from the model itself."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ import numpy as np
 
 from contactlab.api import Conditions, Floats, Ints, Response
 
-AWAY = 100.0  # times the size of the model: a correction that large means that nothing holds a body
+AWAY = 100.0  # times the size of the model: a larger correction means that nothing holds a body
 FLOOR = 1e-10  # of the stiffest node's force at one unit of displacement per cell: nothing is loaded yet
-ROUND_OFF = 8.0 * float(np.finfo(float).eps)  # of the force of the largest displacement or position: nothing is exacter
-LOOSER = 1e-3  # of a violated condition against an unbalanced force: equilibrium passes its error on to all nodes
+ROUND_OFF = 8.0 * float(np.finfo(float).eps)  # of the force of the largest displacement or position: limit of accuracy
+LOOSER = 1e-3  # weight of a constraint residual against an unbalanced force, whose error affects all nodes
 
 
 class Residual(NamedTuple):
-    """force: largest unbalanced nodal force over the largest nodal force; contact: largest violation of a
-    condition, see `contact_residual`."""
+    """force: largest unbalanced nodal force over the largest nodal force; contact: largest residual of a
+    constraint, see `contact_residual`."""
 
     force: float
     contact: float
@@ -28,18 +28,18 @@ class Residual(NamedTuple):
 
 
 def force_scale(parts: list[Floats], floor: float) -> float:
-    """Largest component of any nodal force [N], not below `floor`."""
+    """Return the largest component of any nodal force [N], not below `floor`."""
     return max(floor, *(float(np.abs(part).max(initial=0.0)) for part in parts))
 
 
 def contact_residual(conditions: Conditions, response: Response, force: float, exact: float) -> float:
-    """Largest violation of a condition: overlaps, gaps under pressure, slips of sticking and so on.
+    """Return the largest residual of a constraint: overlaps, gaps under pressure, slips in stick and so on.
 
-    It is the larger of |C|/(c h), in segment lengths, and of a thousandth of |C|/force: under a small load a violation
-    that is small against segments may stand for much of the contact force.
+    It is the larger of |C|/(c h), in segment lengths, and of a thousandth of |C|/force: under a small load a residual
+    that is small against segments may equal much of the contact force.
 
     force  [N] largest nodal force of the model, > 0
-    exact  [mm] round-off of positions: gaps below it count as none beside forces
+    exact  [mm] round-off of positions: gaps below it are ignored relative to forces
     """
     c = conditions
     if not c.present.any():
@@ -50,13 +50,13 @@ def contact_residual(conditions: Conditions, response: Response, force: float, e
 
 
 class Scales:
-    """Lengths and forces of one model that an iteration compares with.
+    """Reference lengths and forces of one model for an iteration.
 
     size         [mm] of the undeformed model
     exact        [mm] round-off of positions
-    floor        [N] forces below it are none; 0 until the first `update` of a step
+    floor        [N] forces below it are ignored; 0 until the first `update` of a step
     round_off    (N, 2) [N] of the forces of stresses and potentials, by node and direction
-    flexibility  (N, 2) [mm/N] of single nodes, 0 where they are held
+    flexibility  (N, 2) [mm/N] of single nodes, 0 if they are held
     """
 
     def __init__(self, reference: Floats, held: Ints) -> None:
@@ -72,21 +72,21 @@ class Scales:
         """Take diagonals (N, 2) [N/mm] of the stiffness and of its part by `stresses`, at displacements `u` (N, 2)."""
         self.floor = FLOOR * float(diagonal.max()) * self.size * 1e-2
         self.flexibility = np.divide(self.free, diagonal, out=np.zeros_like(diagonal), where=diagonal > 0.0)
-        # also of bodies that are carried far before anything loads them; what flies away is not in balance
+        # also for bodies carried far before anything loads them; a body that flies away is not in balance
         moved = min(float(np.abs(u).max()), AWAY * self.size)
         self.exact = ROUND_OFF * (self.farthest + moved)
         np.multiply(self.exact, stresses, out=self.round_off)
 
     def add(self, potentials: Floats) -> None:
-        """Take in the stiffness (N, 2) [N/mm] of potentials, which follow gaps that are differences of positions."""
+        """Add the stiffness (N, 2) [N/mm] of potentials, which depend on gaps, differences of positions."""
         self.round_off += self.exact * potentials
 
     def residual(self, force: Floats, parts: tuple[Floats, ...], tolerance: float) -> float:
-        """Largest unbalanced `force` (N, 2) of a free degree of freedom over the largest of the forces `parts`."""
-        # against forces so small that round-off is all there is, it is what they are measured by
+        """Return the largest unbalanced `force` (N, 2) of a free degree of freedom over the largest of `parts`."""
+        # for forces as small as round-off, round-off is the scale
         scale = np.maximum(force_scale(list(parts), self.floor), self.round_off / tolerance)
         return float((np.abs(force) * self.free / scale).max())
 
     def violation(self, conditions: Conditions, response: Response, parts: tuple[Floats, ...]) -> float:
-        """Largest violation of a contact condition beside the largest of the forces `parts` and segment lengths."""
+        """Return the largest constraint residual over the largest of the forces `parts` and segment lengths."""
         return contact_residual(conditions, response, force_scale(list(parts), self.floor), self.exact)

@@ -1,10 +1,10 @@
-"""One implicit step in time, of any scheme whose velocities and accelerations are affine in the motion d of the step.
+"""An implicit step in time, of any scheme whose velocities and accelerations are affine in the motion d of the step.
 
-    M a(d) + alpha M v_s + f(u + (s + x) d) = e_s + G^T y,   v_s, e_s: those of the share s of the way
+    M a(d) + alpha M v_s + f(u + (s + x) d) = e_s + G^T y,   v_s, e_s at the share s of the step
 
-with gaps complementary to y at the end of the step. Contact forces act evenly over it: they move by dt^2/2 c and add
-dt c to velocities, c = M^-1 G^T y, and the scheme applies to the rest of the motion, a(d - dt^2/2 c) (Deuflhard, Krause
-& Ertel 2008). The balance is linear in y and divided by the weight of y there, which is 1 in the midpoint rule. Then
+with gaps complementary to y at the end of the step. Contact forces act evenly over it: they add dt^2/2 c to the motion
+and dt c to velocities, c = M^-1 G^T y, and the scheme applies to the rest of the motion, a(d - dt^2/2 c) (Deuflhard,
+Krause & Ertel 2008). The balance is linear in y and divided by its weight of y, which is 1 in the midpoint rule. Then
 impulses make the velocities fit the contacts (impulses.py). Stresses in the middle (s + x = 1/2) have no moment about
 the mean positions, so that angular momentum is kept.
 """
@@ -26,7 +26,7 @@ from contactlab.implicit.trial import ContactForces
 MEET = "surfaces meet within it at a speed that matters"
 FRONTS = "contact changes faster than it can follow"
 INTERNAL, EXTERNAL, DAMPING, CONTACT, FRICTION, NUMERICAL, SLIP = range(len(WORK))
-ROUND_OFF = 1e-12  # of the kinetic energy: what differences of its terms leave
+ROUND_OFF = 1e-12  # of the kinetic energy: rounding of differences of its terms
 DIGITS = 12  # of rates and weights: a weight of contact forces that differs from 1 by round-off is 1
 
 
@@ -48,7 +48,7 @@ class StepStart:
         self.u, self.v, self.load = (np.zeros((nodes, 2)) for _ in range(3))
 
     def take(self, state: State, equations: ImplicitEquations) -> None:
-        """The state as it is is the start of a step."""
+        """Take the present state as the start of a step."""
         self.u[:], self.v[:] = state["displacement"], state["velocity"]
         equations.external_force(state.time, self.load)
 
@@ -56,10 +56,10 @@ class StepStart:
 class TimeStep:
     """Makes steps in time. Implements `Balance` for dynamics.
 
-    share       of the way through a step at which stresses are taken
+    share       point of the step at which stresses are taken
     resistance  [1/s^2] derivative of forces of inertia and damping by the motion, over the mass
     weight      of contact forces in the balance
-    impacts     judge steps in which surfaces meet; None if there are none, or if they are not to be cut
+    impacts     judge steps in which surfaces meet; None without them, or if they are not to be cut
     """
 
     def __init__(self, equations: ImplicitEquations, state: State, tolerance: float, iterations: int) -> None:
@@ -80,7 +80,7 @@ class TimeStep:
         self.impacts = Impacts(state, self.mass, mobility) if "impact" in state and impacts_of(equations) else None
 
     def solve(self, dt: float, scheme: Scheme) -> Outcome:
-        """Advance the state by dt; it is left anywhere where that fails."""
+        """Advance the state by dt; the state is undefined on failure."""
         self._start(dt, scheme)
         prescribed, impacts = self.equations.prescribed, self.impacts
         outcome = self.iteration.run(dt, prescribed.scale * prescribed.values(self.time)[prescribed.ramp])
@@ -97,7 +97,7 @@ class TimeStep:
         return outcome
 
     def acceleration(self) -> Floats:
-        """Accelerations (N, 2) [mm/s^2] by stresses, loads and damping of this moment."""
+        """Return accelerations (N, 2) [mm/s^2] by stresses, loads and damping of this moment."""
         load = np.zeros_like(self.load)
         self.equations.internal_force(0.0)
         self.equations.external_force(self.state.time, load)
@@ -111,10 +111,10 @@ class TimeStep:
         self.time, self.dt, self.scheme, self.share = state.time + dt, dt, scheme, scheme.at + scheme.lead
         if self.impacts is not None:
             self.impacts.begin(dt)
-        # the drift is that of the start, and follows until the middle of the step
+        # the drift starts at its old value, and follows until the middle of the step
         following = 0.5 * dt / equations.relaxation if equations.relaxation else 0.0
         self.damping = equations.damping / (1.0 + following)
-        # what would stop all nodes within the step: forces far below it change no velocity
+        # forces that would stop all nodes within the step: forces far below change no velocity
         self.stopping = self.mass * self.v / dt
         self.resistance = scheme.inertia + scheme.at * self.damping * scheme.rate
         self.weight = round(0.5 * dt**2 * scheme.inertia, DIGITS)
@@ -122,15 +122,15 @@ class TimeStep:
     # --- Balance --------------------------------------------------------------------------------
 
     def update_stresses(self, dt: float) -> None:
-        """Those in the middle of the step, or after it where they lead."""
+        """Compute stresses in the middle of the step, or later by the scheme's `lead`."""
         self.equations.internal_force(self.share * dt, self.share)
 
     def unbalanced(self, out: Floats) -> tuple[Floats, ...]:
-        """External, contact and damping forces minus internal ones and the rate of momentum, over `weight`."""
+        """Fill external, contact and damping forces minus internal forces and the rate of momentum, over `weight`."""
         moved = self._update_velocities()
         self._impressed(out, self.weight)
         np.multiply(self.mass, self.scheme.acceleration(moved), out=self.inertia)
-        # what is held moves at the mean velocity of the step
+        # held nodes move at the mean velocity of the step
         gained = (self.v - self.start.v).reshape(-1)[self.held] / self.dt
         self.inertia.reshape(-1)[self.held] = self.mass.reshape(-1)[self.held] * gained
         out -= self.inertia
@@ -141,9 +141,9 @@ class TimeStep:
         return self.load, start.load, internal, normal, self.inertia, self.stopping
 
     def _update_velocities(self) -> Floats:
-        """Velocities that lead to the trial displacements; prescribed ones are those of the step. Returns the motion.
+        """Update velocities to the trial displacements, prescribed velocities to the step. Return the motion.
 
-        What contact adds to them beyond the scheme is left to the end: neither loads nor damping see it.
+        The contribution of contact beyond the scheme waits until the end: neither loads nor damping include it.
         """
         moved = self.u - self.start.u
         self.v[:] = self.scheme.velocity(moved)
@@ -151,22 +151,22 @@ class TimeStep:
         return moved
 
     def _damped(self) -> Floats:
-        """Damping forces (N, 2) [N]."""
+        """Return damping forces (N, 2) [N]."""
         return np.asarray(self.damping * self.mass * (self._at(self.start.v, self.v) - self.drift))
 
     def _at(self, start: Floats, end: Floats) -> Floats:
-        """Values (N, 2) at the share of the step where forces balance."""
+        """Return values (N, 2) at the share of the step at which forces balance."""
         return (1.0 - self.scheme.at) * start + self.scheme.at * end
 
     def _impressed(self, out: Floats, weight: float) -> None:
-        """External and contact forces, these times a weight, minus internal ones."""
+        """Fill external forces, contact forces times a weight, minus internal forces."""
         np.negative(self.state["internal_force"], out=out)
         if self.equations.external_force(self.time, self.load):
             out += self._at(self.start.load, self.load)
         self.contact_forces.add_to(out, weight)
 
     def stiffness(self, dt: float) -> Any:
-        """Of stresses, loads, damping and inertia, over `weight`."""
+        """Return the stiffness of stresses, loads, damping and inertia, over `weight`."""
         resistance = self.resistance / self.weight * self.mass.reshape(-1)
         matrix = with_diagonal(self.equations.stiffness(self.share * dt), self.share / self.weight, resistance)
         self.equations.add_load_stiffness(self.time, matrix, self.scheme.at / self.weight, self.scheme.rate)
@@ -179,7 +179,7 @@ class TimeStep:
     # --- the end of a step ----------------------------------------------------------------------
 
     def _end(self, outcome: Outcome) -> str:
-        """Velocities, books, and stresses and histories at the end; the reason where that makes no sense, or ""."""
+        """Compute velocities, works, stresses and histories at the end. Return a reason if they are invalid, or ""."""
         outcome.motion = self._book()
         self.equations.internal_force(self.dt)
         if self.equations.folded() or not np.isfinite(self.state["internal_force"]).all():
@@ -187,12 +187,12 @@ class TimeStep:
         return ""
 
     def _book(self) -> Floats:
-        """Velocities from momentum, so that it is kept to round-off whatever the tolerance; works of all forces."""
+        """Compute velocities from momentum, conserved to round-off at any tolerance, and works of all forces."""
         state, dt, impressed = self.state, self.dt, np.zeros_like(self.u)
         moved = self._update_velocities()
         self._impressed(impressed, 1.0)
         pressed = self.contact_forces.total()
-        # the motion that balances all forces, and without what contact moves
+        # the motion that balances all forces, and the motion without contact
         balanced = moved + self.mobility * (self.weight / self.resistance * self.iteration.trial.force)
         scheme = balanced - 0.5 * dt**2 * self.mobility * pressed
         np.copyto(self.v, self.scheme.velocity(balanced), where=self.mobility > 0.0)
@@ -211,7 +211,7 @@ class TimeStep:
         return scheme
 
     def _lost(self, scheme: Floats, balanced: Floats, pressed: Floats) -> float:
-        """Work [mJ] of the forces of inertia that does not become kinetic energy: of the scheme itself."""
+        """Return the work [mJ] of inertial forces that does not become kinetic energy: of the scheme itself."""
         free = self.mobility > 0.0
         spent = np.vdot(self.mass * self.scheme.acceleration(scheme) + pressed, np.where(free, balanced, 0.0))
         kinetic = 0.5 * self.mass * free
@@ -220,7 +220,7 @@ class TimeStep:
         return lost if abs(lost) > ROUND_OFF * (after + before) else 0.0
 
     def _internal_work(self, moved: Floats) -> float:
-        """That of stresses in the middle; what they lead by is numerical viscosity, and booked as such."""
+        """Return the work of mid-step stresses; the excess by their lead is booked as numerical viscosity."""
         internal = self.state["internal_force"]
         whole = float(np.vdot(internal, moved))
         if self.share == 0.5:
@@ -231,7 +231,7 @@ class TimeStep:
         return middle
 
     def _support(self, passed: Floats) -> None:
-        """Mean reactions, and their work: what the prescribed nodes gain and pass on (N, 2) [N]."""
+        """Compute mean reactions, and their work: gains of prescribed nodes and passed forces (N, 2) [N]."""
         held, state = self.held, self.state
         mass, before, after = (a.reshape(-1)[held] for a in (self.mass, self.start.v, self.v))
         moved, passed = (self.u - self.start.u).reshape(-1)[held], passed.reshape(-1)[held]
@@ -241,7 +241,7 @@ class TimeStep:
         state["work"][EXTERNAL] += float(0.5 * mass @ (after**2 - before**2) + passed @ moved)
 
     def _book_contact(self, moved: Floats) -> None:
-        """Velocities that fit the contacts; contact forces with their impulses, and their work."""
+        """Compute velocities that fit the contacts, contact forces with their impulses, and their work."""
         state, contact, work = self.state, self.equations.contact, self.state["work"]
         normal, tangential = self.contact_forces.normal, self.contact_forces.tangential
         assert contact is not None
@@ -254,7 +254,7 @@ class TimeStep:
             work[FRICTION] += np.vdot(tangential, moved) + found.rubbed
             work[SLIP] += contact.dissipation() - found.rubbed
         contact.conditions.force += found.each / self.dt
-        # what the impulses push on prescribed nodes, their supports hold
+        # supports hold the impulses on prescribed nodes
         held = self.held
         impulse = found.nodal.reshape(-1)[held]
         state["reaction"].reshape(-1)[held] -= impulse / self.dt

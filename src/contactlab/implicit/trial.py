@@ -1,4 +1,4 @@
-"""The state while a step is iterated: displacements, multipliers, and the forces and conditions that belong to them."""
+"""The state during the iteration of a step: displacements, multipliers, and their forces and constraints."""
 
 from __future__ import annotations
 
@@ -14,29 +14,29 @@ class Balance(Protocol):
     """The forces of a step, their derivative and the stresses behind them."""
 
     def update_stresses(self, dt: float) -> None:
-        """Stresses that belong to the trial displacements of a step of length dt [s]."""
+        """Compute stresses at the trial displacements of a step of length dt [s]."""
 
     def unbalanced(self, out: Floats) -> tuple[Floats, ...]:
-        """Fill `out` (N, 2) with external and contact forces minus all others; returns the forces by kind."""
+        """Fill `out` (N, 2) with external and contact forces minus all others. Return the forces by kind."""
 
     def stiffness(self, dt: float) -> Any:
-        """Derivative of minus the unbalanced forces without contact, (2N, 2N) CSC."""
+        """Return the derivative of minus the unbalanced forces without contact, (2N, 2N) CSC."""
 
     def of_stresses(self, diagonal: Floats) -> Floats:
-        """The part of the `diagonal` (N, 2) [N/mm] of `stiffness` that stresses give."""
+        """Return the part of the `diagonal` (N, 2) [N/mm] of `stiffness` by stresses."""
 
 
 STUCK = 1e6  # coefficient of friction of surfaces that are to stick
 
 
 class Trial:
-    """Displacements `u` and multipliers of the state, changed in place, and what follows from them.
+    """Displacements `u` and multipliers of the state, changed in place, and derived quantities.
 
     force     (N, 2) [N] unbalanced forces
-    parts     the forces that they are made of, by kind
-    response  what the enforcement answers to the contact conditions
+    parts     the terms of these forces, by kind
+    response  response of the enforcement to the contact constraints
     held      (p,) degrees of freedom whose displacement is given
-    sticks    whether all surfaces with friction that press stick for now, whatever their bounds are
+    sticks    True while all surfaces with friction and pressure stick, whatever their bounds are
     """
 
     def __init__(self, equations: ImplicitEquations, state: State, balance: Balance) -> None:
@@ -55,23 +55,23 @@ class Trial:
         return self.contact.conditions.force if self.contact is not None else self._none
 
     def still_to_move(self, target: Floats) -> Floats:
-        """What prescribed degrees of freedom are short of their displacements `target` (p,) [mm]."""
+        """Return the remaining motion of prescribed degrees of freedom to their displacements `target` (p,) [mm]."""
         return target - self.u.reshape(-1)[self.held]
 
     def evaluate(self, dt: float) -> None:
-        """Stresses, gaps, the enforcement's answer and unbalanced forces at the trial displacements and multipliers."""
+        """Compute stresses, gaps, the enforcement's response and unbalanced forces at the trial state."""
         self.balance.update_stresses(dt)
         self.update_forces()
 
     def update_forces(self) -> None:
-        """As `evaluate`, where the displacements are those of the last one."""
+        """Evaluate at the displacements of the last `evaluate`."""
         if self.contact is not None:
             self.contact.evaluate(self.equations.position)
             self._respond(self.contact)
         self.parts = self.balance.unbalanced(self.force)
 
     def _respond(self, contact: ImplicitContact) -> None:
-        """Ask the enforcement, with bounds that friction does not reach if surfaces are to stick."""
+        """Call the enforcement, with bounds that friction does not reach if surfaces are to stick."""
         conditions = contact.conditions
         if self.sticks:
             kept = conditions.bound
@@ -81,7 +81,7 @@ class Trial:
 
 
 class ContactForces:
-    """Forces [N] that the trial's multipliers put on the nodes.
+    """Nodal forces [N] of the trial's multipliers.
 
     normal      (N, 2)
     tangential  (N, 2), or (0, 2) without friction
@@ -103,5 +103,5 @@ class ContactForces:
             out += weight * self.tangential
 
     def total(self) -> Floats:
-        """Both together (N, 2), as they were computed last."""
+        """Sum of both (N, 2), as last computed."""
         return self.normal + self.tangential if len(self.tangential) else self.normal

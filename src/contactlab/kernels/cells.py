@@ -28,7 +28,7 @@ def _gather(geometry, field, connectivity, scratch):
 
 @kernel
 def _parent_gradient(derivative, values, along_xi, along_eta):
-    """Rows d/dxi and d/deta of a field given by its nodal rows, at one point with `derivative` (a, 2)."""
+    """Compute rows d/dxi and d/deta of a field given by its nodal rows, at one point with `derivative` (a, 2)."""
     for c in range(along_xi.size):
         along_xi[c] = derivative[0, 0] * values[0, c]
         along_eta[c] = derivative[0, 1] * values[0, c]
@@ -40,7 +40,7 @@ def _parent_gradient(derivative, values, along_xi, along_eta):
 
 @kernel
 def table_gradient(geometry, field, connectivity, derivatives, out, scratch):
-    """d(field)/d(geometry) (4, P) at every point, from the derivatives (q, a, 2) of the shape functions."""
+    """Compute d(field)/d(geometry) (4, P) at every point, from the derivatives (q, a, 2) of the shape functions."""
     nodes, cells = connectivity.shape
     _gather(geometry, field, connectivity, scratch)
     work = scratch[4 * nodes :]
@@ -104,7 +104,7 @@ def midpoint(gradient):
 
 
 def table_kernels(element: Element) -> BlockKernels:
-    """The generic kernels of any element, bound to its tables."""
+    """Return the generic kernels of any element, bound to its tables."""
     rule = element.quadrature()
     derivatives: Floats = np.ascontiguousarray(element.shape(rule.points).gradient)
     weights: Floats = np.ascontiguousarray(rule.weights)
@@ -119,5 +119,5 @@ def table_kernels(element: Element) -> BlockKernels:
 
 
 def element_kernels(element: Element, kinematics: Kinematics = "small") -> BlockKernels:
-    """The element's own kernels for laws of these kinematics, or the generic ones."""
+    """Return the element's own kernels for laws of these kinematics, or the generic kernels."""
     return element.block_kernels(kinematics) or table_kernels(element)

@@ -1,4 +1,4 @@
-"""What the guards look at: statuses that change, cells that fold, nodes that lie deep in the other side."""
+"""Measures for guards: changing contact states, folded cells, and nodes deep in the other side."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from contactlab.api.compiled.kernel import kernel
 
 @kernel
 def status_changes(forces, pressed):
-    """Conditions (k,) that begin or cease to carry a force since `pressed` (k,) was filled, which is renewed.
+    """Find constraints (k,) that begin or cease to carry a force since `pressed` (k,) was filled, and renew it.
 
-    Returns the number of changes, the number of conditions that carry a force now or did then, one that changed, and
+    Returns the number of changes, the number of constraints with a force now or then, a changed constraint, and
     the largest force.
     """
     changes, conditions, last, largest = 0, 0, -1, 0.0
@@ -29,9 +29,9 @@ def status_changes(forces, pressed):
 
 @kernel
 def smallest_jacobian(geometry, connectivity, derivatives):
-    """Smallest determinant of the cells' (a, B) maps at the points with `derivatives` (q, a, 2); its cell and point.
+    """Return the smallest determinant of the cells' (a, B) maps at points with `derivatives` (q, a, 2); cell and point.
 
-    The first that is not a number counts as the smallest.
+    The first NaN counts as the smallest.
     """
     worst, cell, point = np.inf, -1, -1
     nodes, cells = connectivity.shape
@@ -52,7 +52,7 @@ def smallest_jacobian(geometry, connectivity, derivatives):
 
 @kernel
 def _signed_distance(x, y, ax, ay, bx, by):
-    """Distance [mm] of a point from a segment's line, positive outside the body; nan beyond the segment's ends."""
+    """Return the distance [mm] of a point from a segment's line, positive outside the body; NaN beyond its ends."""
     ex, ey = bx - ax, by - ay
     length = np.sqrt(ex * ex + ey * ey)
     along = ((x - ax) * ex + (y - ay) * ey) / (length * length)
@@ -63,10 +63,10 @@ def _signed_distance(x, y, ax, ay, bx, by):
 
 @kernel
 def deepest(slave_at, slave_segments, master_at, master_segments, start, candidates, limit):
-    """Deepest node of either side behind its nearest segment of the other among the near ones.
+    """Find the deepest node of both sides behind its nearest segment of the other among the near segments.
 
     Only segments that face each other count, and depths up to `limit` [mm]. Returns the depth [mm], the node (a
-    position in its surface) and 0 for a slave's or 1 for a master's node.
+    position in its surface) and 0 for a slave node or 1 for a master node.
     """
     own = np.full(slave_at.shape[0], np.inf)
     other = np.full(master_at.shape[0], np.inf)
@@ -76,7 +76,7 @@ def deepest(slave_at, slave_segments, master_at, master_segments, start, candida
             k, m = master_segments[candidates[z], 0], master_segments[candidates[z], 1]
             ex, ey = slave_at[j, 0] - slave_at[i, 0], slave_at[j, 1] - slave_at[i, 1]
             fx, fy = master_at[m, 0] - master_at[k, 0], master_at[m, 1] - master_at[k, 1]
-            # 60 degrees off at most: the flank of a corner is not what the other flank presses on
+            # 60 degrees off at most: the flank of a corner does not press on the other flank
             if ex * fx + ey * fy > -0.5 * np.sqrt((ex * ex + ey * ey) * (fx * fx + fy * fy)):
                 continue
             for n in (i, j):

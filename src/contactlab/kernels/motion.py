@@ -1,7 +1,7 @@
 """Node updates of explicit steps, with the energy balance (docs/theory/explicit-scheme.md).
 
 A kick and a drift without contact are `move`, with contact `predict` and, when the contact forces are known,
-`correct`. Fields are flat arrays of degrees of freedom, `mobility` being the inverse mass of each, 0 where
+`correct`. Fields are flat arrays of degrees of freedom, `mobility` being the inverse mass of each, 0 if
 motion is prescribed. `before` receives the old velocities of prescribed motion, `trial` becomes the mean velocity.
 """
 
@@ -19,9 +19,9 @@ CHUNK = 512  # degrees of freedom summed at a time; `products` has as many entri
 class MotionTable(NamedTuple):
     """The arrays of one run, all flat.
 
-    mass is by node; dof, scale, ramp and ramps (values) are those of `contactlab.api.PrescribedMotion`; before,
-    trial and products are scratch; carried is the slow velocity that damping spares (or nothing), relaxation the time
-    in which it follows.
+    mass is by node; dof, scale, ramp and ramps (values) as in `contactlab.api.PrescribedMotion`; before,
+    trial and products are scratch; carried is the slow velocity exempt from damping (or empty), relaxation its time
+    constant.
     """
 
     reference: Floats1
@@ -65,9 +65,9 @@ def _add(trial, carried, factor):
 
 @kernel
 def _trial(m, loaded, alpha, dt, duration):
-    """v+ = [(1 - alpha T/2) v- + T (M^-1 f + alpha d)]/(1 + alpha T/2), and what is prescribed, into `trial`.
+    """Compute v+ = [(1 - alpha T/2) v- + T (M^-1 f + alpha d)]/(1 + alpha T/2), and prescribed motion, into `trial`.
 
-    T is the `duration` of the kick, `dt` the time in which positions then move; 0 if they do not.
+    T is the `duration` of the kick, `dt` the time of the following motion of positions; 0 without.
     """
     scaling = 1.0 / (1.0 + 0.5 * alpha * duration)
     keep, gain = (1.0 - 0.5 * alpha * duration) * scaling, duration * scaling
@@ -81,7 +81,7 @@ def _trial(m, loaded, alpha, dt, duration):
 
 @kernel
 def predict(bound, loaded, alpha, dt, duration):
-    """Velocities `trial` and positions `predicted` without contact forces; prescribed motion is exact."""
+    """Compute velocities `trial` and positions `predicted` without contact forces; prescribed motion is exact."""
     m = unpack(bound, MotionTable)
     _trial(m, loaded, alpha, dt, duration)
     x, u, v, out = m.reference, m.displacement, m.trial, m.predicted
@@ -97,7 +97,7 @@ def _push(trial, compliance, contact, rate):
 
 @kernel
 def _advance(trial, velocity, displacement, dt):
-    """Displacements and velocities from `trial`, which becomes the mean velocity."""
+    """Update displacements and velocities from `trial`, which becomes the mean velocity."""
     for i in range(trial.size):
         after = trial[i]
         trial[i] = 0.5 * (velocity[i] + after)
@@ -114,7 +114,7 @@ def _keep(m):
 
 @kernel
 def move(bound, loaded, alpha, dt, duration, share):
-    """Kick and drift without contact; `share` of the reaction is of this kick, the rest of earlier ones."""
+    """Kick and drift without contact; `share` of the reaction belongs to this kick, the rest to earlier kicks."""
     m = unpack(bound, MotionTable)
     _trial(m, loaded, alpha, dt, duration)
     _keep(m)
@@ -134,7 +134,7 @@ def correct(bound, loaded, alpha, dt, duration):
 
 @kernel
 def _power(mean, force, products):
-    """Sum of mean * force. Pairwise: vector additions, the same on every machine, and small errors."""
+    """Return the sum of mean * force. Pairwise: vector additions, equal on every machine, and small errors."""
     total = 0.0
     for begin in range(0, mean.size, CHUNK):
         count = min(CHUNK, mean.size - begin)
@@ -178,10 +178,10 @@ def _follow(mean, carried, share):
 
 @kernel
 def _book(m, loaded, touching, alpha, duration, share):
-    """Work of every force with the mean velocity, and reactions of prescribed motion.
+    """Add work of every force with the mean velocity, and reactions of prescribed motion.
 
     work = internal, external (with reactions), damping, contact, ... (see contactlab.api.WORK); only
-    what acts is summed.
+    acting forces are summed.
     """
     velocity, f, e, mass, dof, before, mean = m.velocity, m.internal, m.external, m.mass, m.dof, m.before, m.trial
     y, r, work, products, carried = m.contact, m.reaction, m.work, m.products, m.carried

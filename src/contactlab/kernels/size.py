@@ -1,4 +1,4 @@
-"""How small each cell is, to follow the stable step cheaply between eigenvalue evaluations."""
+"""Size of each cell, to follow the stable step cheaply between eigenvalue evaluations."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from contactlab.api.compiled.kernel import kernel
 
 @kernel
 def inverse_size_squared(positions, cells, out):
-    """|grad xi|^2 + |grad eta|^2 (n,) [1/mm2] from the corners; 4 (1/a^2 + 1/b^2) for an a x b rectangle."""
+    """Fill |grad xi|^2 + |grad eta|^2 (n,) [1/mm2] from the corners; 4 (1/a^2 + 1/b^2) for an a x b rectangle."""
     for e in range(cells.shape[0]):
         i, j, k, m = cells[e, 0], cells[e, 1], cells[e, 2], cells[e, 3]
         x_xi = 0.25 * (positions[j, 0] - positions[i, 0] + positions[k, 0] - positions[m, 0])
@@ -20,7 +20,7 @@ def inverse_size_squared(positions, cells, out):
 
 @kernel
 def jacobian_determinants(positions, connectivity, derivatives, out):
-    """Determinants (q, B) of the cells' maps at points with the derivatives (q, a, 2) of the shape functions."""
+    """Fill determinants (q, B) of the cells' maps at points with the derivatives (q, a, 2) of the shape functions."""
     for g in range(derivatives.shape[0]):
         for c in range(connectivity.shape[1]):
             x_xi, x_eta, y_xi, y_eta = 0.0, 0.0, 0.0, 0.0

@@ -1,4 +1,4 @@
-"""The scalars of one step in one call: a row of the buffer that recorders are given in blocks."""
+"""The scalars of one step in one call: a row of the buffer for recorders."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ ACTIVE, STICKING = 1, 2
 
 @summation
 def kinetic(mass, velocity):
-    """1/2 sum m v.v of velocities (2N,), in any order."""
+    """Return 1/2 sum m v.v of velocities (2N,), in any order."""
     total = 0.0
     for n in range(mass.size):
         total += mass[n] * (velocity[2 * n] * velocity[2 * n] + velocity[2 * n + 1] * velocity[2 * n + 1])
@@ -24,18 +24,18 @@ def kinetic(mass, velocity):
 def step_scalars(
     row, bound, bound_rows, dt, sweeps, iterations, residual, elements, contact, works, count, factored
 ):  # fmt: skip
-    """Compute both of the following in one call."""
+    """Call `model_scalars` and `contact_scalars` together."""
     column = model_scalars(row, bound, dt, sweeps, iterations, residual, elements, contact, works)
     contact_scalars(row, bound_rows, column, count, factored)
 
 
 @kernel
 def model_scalars(row, bound, dt, sweeps, iterations, residual, elements, contact, works):
-    """Fill a row of the bound buffer up to the reactions; returns the next free column.
+    """Fill a row of the bound buffer up to the reactions. Return the next free column.
 
-    bound   arrays buffer (BLOCK, columns), state, mass, places (where clock, velocity, work and
-            reaction begin in the state, -1: not there), support_start, support_dofs
-    works   number of entries of the energy ledger
+    bound   arrays buffer (BLOCK, columns), state, mass, places (positions of clock, velocity, work and
+            reaction in the state, -1: absent), support_start, support_dofs
+    works   number of entries of the energy balance
     """
     buffer, state, mass, places, start, dofs = unpack(bound, MODEL)
     out = buffer[row]
@@ -77,11 +77,11 @@ def contact_scalars(row, bound, column, count, factored):
     bound       arrays buffer (BLOCK, columns), position (N, 2), multipliers (1 or 2, conditions),
                 pair_start (first slot of each pair, end of the last), of the rows start, node,
                 normal_weight, slot, measure, offset, bound, of the factored rows slot and left;
-                states (conditions,) of the step before, which become those of this one, and scratch (conditions,)
-    count       rows in use, factored those of the other kind; in a step one of them is zero
+                states (conditions,) of the last step, updated to this step, and scratch (conditions,)
+    count       rows in use, factored rows of the other kind; in a step one of the two is zero
 
-    Active are conditions with a force, sticking those of them below their friction bound;
-    penetration is the deepest gap of the conditions at the end of the step [mm], changed how many conditions
+    Active are constraints with a force, sticking are active constraints below their friction bound;
+    penetration is the deepest gap of the constraints at the end of the step [mm], changed the number of constraints
     became active or not, or sticking or not.
     """
     (
@@ -101,7 +101,7 @@ def contact_scalars(row, bound, column, count, factored):
         out[at + 2] = max(out[at + 2], -left[k])
     for k in range(count):
         if slot[k] >= first[pairs]:
-            continue  # of a point at a corner, behind all contacts
+            continue  # a point at a corner, behind all contacts
         at = column + 4 * _pair(first, slot[k])
         pressed = forces[0, slot[k]]
         pulled = abs(forces[1, slot[k]]) if friction else 0.0

@@ -12,12 +12,12 @@ from contactlab.api.compiled.kernel import kernel
 
 SMALL, FINITE, RATE = 0, 1, 2
 
-_ROW = (0, 3, 3, 1)  # row of the stress (xx, yy, zz, xy) that component ij = xx, xy, yx, yy is
+_ROW = (0, 3, 3, 1)  # row of the stress (xx, yy, zz, xy) for component ij = xx, xy, yx, yy
 
 
 @kernel
 def two_point_modulus(kind, gradient, stress, tangent, out):
-    """Modulus A (4, 4, P) from a law's tangent (4, 4, P), with the part that the stress itself brings.
+    """Fill modulus A (4, 4, P) from a law's tangent (4, 4, P), with the geometric part from the stress.
 
     small   gradient of u by X: the tangent itself
     finite  gradient g of X by x: d g = -g grad(du)
@@ -74,7 +74,7 @@ def add_cells(geometry, connectivity, derivatives, weights, modulus, pairs, plac
 
 @kernel
 def _gradients_at(geometry, connectivity, c, parent, gradients):
-    """Gradients of the shape functions of cell c into gradients[:a]; the determinant into gradients[a, 0]."""
+    """Compute gradients of the shape functions of cell c into gradients[:a]; the determinant into gradients[a, 0]."""
     nodes = connectivity.shape[0]
     x_xi, x_eta, y_xi, y_eta = 0.0, 0.0, 0.0, 0.0
     for a in range(nodes):
@@ -118,6 +118,6 @@ def scatter(matrix, pairs, place, stride, data):
 
 @kernel
 def scatter_all(matrices, pairs, place, stride, data):
-    """`scatter` for all cells (B, 2a, 2a)."""
+    """Call `scatter` for all cells (B, 2a, 2a)."""
     for c in range(matrices.shape[0]):
         scatter(matrices[c], pairs[c], place, stride, data)

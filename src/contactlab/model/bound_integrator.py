@@ -1,4 +1,4 @@
-"""An integrator at work: the core keeps its clock, energy ledger and reactions."""
+"""An integrator at work: the core keeps its clock, energy balance and reactions."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from contactlab.errors import SimulationFailure, WrongAnswer
 
 
 class BoundIntegrator:
-    """Makes steps of `state`, and stores what they say of ledger, reactions and time.
+    """Makes steps of `state`, and stores their energy balance, reactions and time.
 
-    name     of the integrator, for its faults
-    advance  what its `bind` gave
-    follow   what is called with the end and the length [s] of each accepted step
+    name     of the integrator, for messages
+    advance  result of its `bind`
+    follow   functions called with the end and the length [s] of each accepted step
     """
 
     def __init__(
@@ -31,9 +31,9 @@ class BoundIntegrator:
         self.error = state["step_error"] if "step_error" in state else None
 
     def step(self, dt: float) -> Step:
-        """Make one step of length dt [s], and check what it says of itself.
+        """Make one step of length dt [s], and check its result.
 
-        Raises WrongAnswer where the integrator does not keep the contract, and SimulationFailure where the clock would
+        Raises WrongAnswer if the integrator breaks the contract, and SimulationFailure if the clock would
         stand, so that a run never ends.
         """
         clock = self.clock
@@ -47,7 +47,7 @@ class BoundIntegrator:
         if clock[0] != time or clock[1] != count:
             raise WrongAnswer(f"{self.name}: its step wrote the clock, which is the core's; needed: leave it alone")
         if done.status is StepStatus.accepted:
-            # an integrator that books in place pays for no copy
+            # an integrator that books in place needs no copy
             if done.work is not self.work:
                 self._store("work", done.work, self.work)
             if done.reaction is not self.reaction:

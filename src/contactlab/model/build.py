@@ -1,4 +1,4 @@
-"""Scene and registry in, model out: the one place where parts meet, and where they are checked."""
+"""Scene and registry in, model out: the one place where plugin components meet, and where they are checked."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 def build(scene: Scene, registry: Registry) -> Model:
     """Build the model of a scene, with every `auto` resolved.
 
-    Raises SceneError or PartError, naming file and key, for anything that does not fit together.
+    Raises SceneError or PartError, with file and key, for anything that does not fit together.
     """
     with part_errors(registry):
         return _built(scene, registry)
@@ -74,7 +74,7 @@ def _built(scene: Scene, registry: Registry) -> Model:
     state = State(_shapes(len(reference), bodies, integrator, plans, made, timing))
     position = reference.copy()
     increment = np.zeros_like(reference) if any(b.material.kinematics == "rate" for b in bodies) else None
-    # the work of all bodies, dealt out to the threads one body after the other
+    # the work of all bodies, distributed to the threads one body after the other
     arrays = (reference, position, increment, state, model_class.explicit)
     bound: list[BodyForces] = []
     for body in bodies:
@@ -92,7 +92,7 @@ def _built(scene: Scene, registry: Registry) -> Model:
         split_work(contact, integrator, state, reference, scene.where("record.contact_work"))
     effects = _effects(made, scene, registry, bodies, rigid, reference, state, told)
     loads = _loads(scene, bodies, reference, position, timing.ramps, told)
-    # the block calls of all bodies in the order in which they are made
+    # the block calls of all bodies in order of execution
     calls = [call for body in forces for call in body.calls]
     colours = [colour for body in forces for colour in body.colours]
     model = model_class(
@@ -128,7 +128,7 @@ def _built(scene: Scene, registry: Registry) -> Model:
     return model
 
 
-# --- what a scene may do without is imported where it is declared --------------------------------
+# --- optional parts of a scene are imported where they are declared ------------------------------
 
 
 def _mirror(scene: Scene, bodies: tuple[Body, ...], reference: Floats) -> Ints | None:
@@ -150,7 +150,7 @@ def _rigid_surfaces(scene: Scene, bodies: tuple[Body, ...]) -> tuple[RigidSurfac
 def _contact_plans(
     scene: Scene, registry: Registry, bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...], integrator: Integrator
 ) -> tuple[tuple[Any, ...], tuple[Body, ...]]:
-    """The contacts, and the bodies with slave nodes moved where a contact asks for it."""
+    """Return the contacts, and the bodies with slave nodes moved if a contact requires it."""
     if not scene.contacts:
         return (), bodies
     from contactlab.model.contact.initial_gap import adjusted_bodies
@@ -166,7 +166,7 @@ def _contact_plans(
 
 
 def _joints(plans: tuple[Any, ...], reference: Floats) -> Joints:
-    """Where bodies touch from the start, so that they vibrate together."""
+    """Return the joints of bodies that touch from the start, so that they vibrate together."""
     from contactlab.model.bodies.frequency import NO_JOINTS
 
     if not plans:
@@ -210,7 +210,7 @@ def _effects(
 
 
 def _needs(model: Model, scene: Scene) -> None:
-    """Numbers that laws need by name are filled from here on."""
+    """Fill the numbers that laws need by name from here on."""
     pairs = () if model.contact is None else model.contact.pairs
     needing = [f for f in model.forces if f.body.material.needs]
     passes = [(number, one) for number, pair in enumerate(pairs) for one in (pair, pair.points) if one is not None]
@@ -314,7 +314,7 @@ def _initial_velocity(
 
 
 def _refuse_motion(scene: Scene, name: str, spec: SceneBody) -> None:
-    """Raise SceneError for a body that is thrown in statics."""
+    """Raise SceneError for a body with an initial motion in statics."""
     for key in ("velocity", "spin"):
         if np.any(getattr(spec, key)):
             raise SceneError(

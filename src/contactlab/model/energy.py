@@ -1,4 +1,4 @@
-"""The energy that leapfrog keeps, from what the laws store: what contact has made of it, and what nothing explains."""
+"""The energy that leapfrog keeps, from the stored energy of laws: gain by contact, and unexplained gain."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from contactlab.model.model import Model
 
 
 class EnergyGain(NamedTuple):
-    """Energies [mJ] at one instant: what is there, and what nothing accounts for.
+    """Energies [mJ] at one instant: total, gained and unexplained.
 
     energy       kinetic and stored
-    gained       of it beyond that of the start and the work done from outside: what contact has made, and what
-                 nothing explains. Damping, friction and plastic flow take energy away: it is the least that was made
-    unexplained  stored and dissipated beyond the work of the stresses; 0 where a law stores no energy
+    gained       excess over the start and the external work: made by contact, or
+                 unexplained. Damping, friction and plastic flow take energy away: it is a lower bound
+    unexplained  stored and dissipated beyond the work of the stresses; 0 if a law stores no energy
     """
 
     energy: float
@@ -24,9 +24,9 @@ class EnergyGain(NamedTuple):
 
 
 def energy_gain(model: Model) -> EnergyGain:
-    """Energy balance of the current state; evaluates all laws once.
+    """Return the energy balance of the current state; evaluates all laws once.
 
-    In a leapfrog kinetic energy and works belong to the velocity half a step back, and so must what is stored: of a
+    In a leapfrog kinetic energy and works belong to the velocity half a step back, and so must the stored energy: of a
     linear body 1/2 u_n K u_{n+1}, which is U(u_{n+1}) less half a step's work of its forces
     (docs/theory/explicit-scheme.md).
     The work of the stresses is exactly that then, for any stable step.
@@ -40,9 +40,9 @@ def energy_gain(model: Model) -> EnergyGain:
 
 
 def stored_energy(model: Model) -> tuple[float, float]:
-    """Energy [mJ] in the bodies, and what of it and of their dissipation is beyond the work of the stresses.
+    """Return the energy [mJ] in the bodies, and the excess of it and of their dissipation over the stress work.
 
-    A law that stores no energy has taken all of that work, as far as is known.
+    A law without stored energy is assumed to have taken all of this work.
     """
     work = float(model.state["work"][0])
     stored = float(sum(forces.stored_energy() + forces.numerical_energy() for forces in model.forces))

@@ -1,7 +1,7 @@
-"""Who gave something that is no number: every part is given finite numbers, or is not to blame.
+"""Search for the source of NaN: every plugin component gets finite numbers, or is not to blame.
 
-`examine_*` look at the arrays that a step left, in the order in which they come about, and raise WrongAnswer with part
-and method. `Examined` is a model that does so at every crossing, for steps that are repeated to find out.
+`examine_*` check the arrays of a step, in the order of their computation, and raise WrongAnswer with component
+and method. `Examined` is a model that does so at every call, for steps that are repeated to find the source.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 def examine_bodies(model: Model) -> None:
-    """Element and material of every body at the last update; of folded cells no law has to know a stress."""
+    """Check element and material of every body at the last update; at folded points no law needs a stress."""
     if not finite(model.state["displacement"]):
         return
     folded = False
@@ -41,7 +41,7 @@ def examine_bodies(model: Model) -> None:
 
 
 def _examine_block(forces: BodyForces, block: Block, begin: int) -> bool:
-    """Whether a point is folded over; raises WrongAnswer for others."""
+    """Return whether a point is folded over; raise WrongAnswer for others."""
     body, g = forces.body, block.gradient
     whole = np.ones(g.shape[1], np.bool_)
     if body.material.kinematics == "finite":
@@ -61,14 +61,14 @@ def _examine_block(forces: BodyForces, block: Block, begin: int) -> bool:
 
 
 def _turned_over(forces: BodyForces, block: Block, cell: int) -> bool:
-    """Whether a cell's map from its nodes has no area somewhere: an averaged gradient (F-bar) has no value there."""
+    """Return whether a cell's map has no area somewhere: an averaged gradient (F-bar) has no value there."""
     element = forces.body.element
     derivatives = np.ascontiguousarray(element.shape(element.quadrature().points).gradient)
     return not smallest_jacobian(forces.geometry, block.connectivity[:, cell : cell + 1], derivatives)[0] > 0.0
 
 
 def examine_effects(model: Model, time: float) -> None:
-    """Effects one by one, in the present state."""
+    """Check effects one by one, in the present state."""
     if not all(finite(model.state[name]) for name in ("displacement", "velocity") if name in model.state):
         return
     for number, effect in enumerate(model.loading.effects):
@@ -82,7 +82,7 @@ def examine_effects(model: Model, time: float) -> None:
 
 
 class Examined:
-    """A model whose parts are looked at whenever they have answered; everything else is the model's own."""
+    """A model whose components are checked after every call; everything else belongs to the model."""
 
     def __init__(self, model: Model) -> None:
         self._model = model
@@ -93,22 +93,22 @@ class Examined:
         return getattr(self._model, name)
 
     def external_force(self, time: float, out: Floats) -> bool:
-        """Evaluate the loads one by one, and name the one whose answer is no number."""
+        """Evaluate the loads one by one, and name the first load with a result that is not finite."""
         loaded = self._model.external_force(time, out)
         if loaded and not finite(out):
             examine_effects(self._model, time)
         return loaded
 
     def internal_force(self, dt: float) -> None:
-        """Bodies, after what the integrator made of the forces on them."""
+        """Check bodies, after the integrator's use of their forces."""
         self.refuse_state()
         self._model.internal_force(dt)
         examine_bodies(self._model)
         if not finite(self._model.state["internal_force"]):
-            raise SimulationFailure("diverged", "a cell is folded over")  # what follows from it is no part's fault
+            raise SimulationFailure("diverged", "a cell is folded over")  # its consequences are no plugin's fault
 
     def refuse_state(self) -> None:
-        """Raise WrongAnswer where the integrator made something else of finite forces."""
+        """Raise WrongAnswer if the integrator made values that are not finite from finite forces."""
         for name in ("displacement", "velocity"):
             if name in self._model.state and not finite(self._model.state[name]):
                 refuse(self._model.integrator, "its step", f"a {name}")
@@ -122,7 +122,7 @@ class _ExaminedContact:
         return getattr(self._contact, name)
 
     def solve(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
-        """Examine what the algorithms give, then solve as the enforcement does."""
+        """Examine the algorithms' results, then solve by the enforcement."""
         if not finite(predicted):
             refuse(self._model.integrator, "its step", "a predicted position")
         done = self._contact.solve(predicted, current, compliance, force)

@@ -1,4 +1,4 @@
-"""The model as explicit integrators see it."""
+"""The model for explicit integrators."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ class ExplicitModel(Model):
         self._before = None if self.increment is None or leaps else self.state["displacement"].copy()
 
     def rates(self, stable: float) -> EffectRates:
-        """Those of the effects, and of contact pressures."""
+        """Return the rates of the effects, and of contact pressures."""
         rates = super().rates(stable)
         more = 0.0 if self.contact is None else self.contact.rate(stable)
         return replace(rates, square=rates.square + more) if more else rates
 
     def moved_back(self) -> None:
-        """Take the displacement of a state that was restored as the start of the next step."""
+        """Take the displacement of a restored state as the start of the next step."""
         if self._before is not None:
             self._before[:] = self.state["displacement"]
 
@@ -51,13 +51,13 @@ class ExplicitModel(Model):
             self._before[:] = self.state["displacement"]
 
     def bound_integrator(self, seen: Any = None) -> BoundIntegrator:
-        """What makes the steps of a run; `seen` is what the integrator sees in place of this model."""
+        """Return the step function of a run; the integrator works on `seen`, or on this model."""
         advance = self.integrator.bind(self if seen is None else seen, self.state)
         if self.contact is not None:
             advance = self.contact.following(advance)
         return BoundIntegrator(type(self.integrator).__name__, advance, self.state, self.loading.accepted)
 
     def lagging_work(self) -> float:
-        """Work of the stresses [mJ] between the time of the velocities and that of the positions."""
+        """Return the work of the stresses [mJ] between the times of velocities and positions."""
         lag = self.integrator.velocity_lag * self.state.last_dt
         return lag * float(np.vdot(self.state["velocity"], self.state["internal_force"]))

@@ -1,4 +1,4 @@
-"""Every array that something really holds, found by walking it."""
+"""All arrays that an object holds, found by walking it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ OPAQUE = (type, types.ModuleType, types.BuiltinFunctionType, str, bytes, int, fl
 
 
 class HeldArray(NamedTuple):
-    """An array: where it hangs, its shape, and the bytes that are its own."""
+    """An array: its path, its shape, and the bytes that are its own."""
 
     name: str
     shape: str
@@ -27,11 +27,11 @@ class HeldArray(NamedTuple):
 
 
 def held_arrays(model: Model, **others: Any) -> list[HeldArray]:
-    """All arrays reachable from a model and from `others`, each piece of memory once.
+    """Return all arrays reachable from a model and from `others`, each piece of memory once.
 
-    Fields of the model's state come first; `others` are what an integrator has bound, say, under the name
-    by which its arrays are told. Arrays of classes and modules are not counted, all runs share them; empty
-    ones are not listed.
+    Fields of the model's state come first; `others` are, for example, arrays bound by an integrator, under the name
+    of their report. Arrays of classes and modules are not counted, all runs share them; empty
+    arrays are not listed.
     """
     found = [_held(f"state.{name}", field) for name, field in model.state.fields.items()]
     seen = {id(model.state.buffer)}
@@ -68,7 +68,7 @@ def _inside(name: str, children: Mapping[str, Any], seen: set[int], depth: int) 
 
 
 def _owner(array: np.ndarray) -> np.ndarray:
-    """The array whose memory a view shows."""
+    """Return the array whose memory a view shows."""
     while isinstance(array.base, np.ndarray):
         array = array.base
     return array

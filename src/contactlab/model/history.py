@@ -1,4 +1,4 @@
-"""Whether the end of a scene depends on its loading path: decided once, from what the scene declares."""
+"""Dependence of the end of a scene on its loading path: decided once, from the scene's declarations."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ if TYPE_CHECKING:
 class History:
     """Keys of a scene by which its end depends on the loading path.
 
-    laws      bodies whose law remembers (plastic flow, stresses in rate form) or depends on rate, pressure laws and
-              effects that do
+    laws      bodies whose material has memory (plastic flow, rate-form stress) or depends on rate, pressure laws and
+              effects with memory
     friction  contacts with friction
-    motion    what asks for inertia in time: a duration in seconds beside an integrator with inertia
-    asked     keys by which the path is wanted though the end may not depend on it: `time.history`, and, of runs with
+    motion    inertia in time: a duration in seconds with an integrator with inertia
+    asked     keys that request the path although the end may not depend on it: `time.history`, and, of runs with
               inertia that end when they have settled, times that the scene gives itself
     """
 
@@ -36,11 +36,11 @@ class History:
 
     @property
     def because(self) -> tuple[str, ...]:
-        """All keys, the weightiest first."""
+        """All keys, the most important first."""
         return self.motion + self.laws + self.friction + self.asked
 
     def __bool__(self) -> bool:
-        """Whether the way must be followed."""
+        """Return whether the path must be followed."""
         return bool(self.because)
 
     def __str__(self) -> str:
@@ -54,7 +54,7 @@ def history_of(
     effects: Iterable[Effect],
     integrator: Integrator,
 ) -> History:
-    """What of a scene remembers its way."""
+    """Return the keys of a scene that make it path-dependent."""
     laws = [f"bodies.{b.name}.material" for b in bodies if b.material.history_size or b.material.rate_dependent]
     laws += [f"{p.name}.enforcement" for p in plans if isinstance(p.enforcement, NormalLaw) and p.enforcement.memory]
     laws += [f"effects.{i}" for i, effect in enumerate(effects) if effect.memory]
@@ -67,12 +67,12 @@ def history_of(
 
 
 def _own_times(scene: Scene, integrator: Integrator) -> tuple[str, ...]:
-    """Keys in seconds by which a run that finds its own times otherwise is told when or how fast something happens."""
+    """Return keys in seconds that give a time or speed to a run that otherwise finds its own times."""
     if not integrator.inertia or scene.time.end != "auto":
         return ()
     given = [f"time.{name}" for name in ("ramp", "damping", "relaxation") if getattr(scene.time, name) is not None]
     given += [key for key, _, course in courses_in(scene) if course.timed]
     given += [f"contacts.{i}.start.duration" for i, spec in enumerate(scene.contacts) if spec.start.duration]
-    # what an effect does may go by the clock, or need it (springs aside): its way is its own
+    # effects may depend on time, or need it (except springs): their path is their own
     given += [f"effects.{i}" for i in range(len(scene.effects))]
     return tuple(given)

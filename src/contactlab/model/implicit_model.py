@@ -1,4 +1,4 @@
-"""The model as implicit integrators see it: trials that may be taken back, and the stiffness."""
+"""The model for implicit integrators: trials that may be undone, and the stiffness."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ if TYPE_CHECKING:
     from contactlab.contact.implicit_system import ImplicitContactSystem
     from contactlab.model.loading.load_stiffness import LoadStiffness
 
-SAME = 1e-9  # of the ramp: times that differ by less are one
+SAME = 1e-9  # of the ramp: times that differ by less are equal
 
 
 @dataclass
 class ImplicitModel(Model):
     """Implements `contactlab.api.ImplicitEquations`.
 
-    estimates    states that are expected at times to come, from a coarser mesh
-    listening    called after each iteration; None where nobody records it
-    stiffness_s  what of `seconds` went into stiffness matrices
+    estimates    states expected at later times, from a coarser mesh
+    listening    called after each iteration; None if nothing records it
+    stiffness_s  part of `seconds` spent on stiffness matrices
     """
 
     contact: ImplicitContactSystem | None
@@ -57,7 +57,7 @@ class ImplicitModel(Model):
         return self.timing.end is None
 
     def internal_force(self, dt: float, share: float = 1.0) -> None:
-        """See `contactlab.api.ImplicitEquations`; a part whose answer is no number is named at once."""
+        """See `contactlab.api.ImplicitEquations`; a component with a result that is not finite is named immediately."""
         self._share = share
         with self._part_of_the_way():
             super().internal_force(dt)
@@ -66,7 +66,7 @@ class ImplicitModel(Model):
 
     @contextmanager
     def _part_of_the_way(self) -> Iterator[None]:
-        """Displacements and positions are where stresses are taken, and then those of the trial again."""
+        """Move displacements and positions to the evaluation point of stresses, and back to the trial."""
         if self._share == 1.0:
             yield
             return
@@ -82,18 +82,18 @@ class ImplicitModel(Model):
 
     @property
     def shown_conditions(self) -> int:
-        """Number of the contact conditions that reports show, which come first."""
+        """Number of the contact constraints in reports, which come first."""
         return self.contact.pairs[-1].own.stop if self.contact is not None else 0
 
     def external_force(self, time: float, out: Floats) -> bool:
-        """As every model's; an effect whose answer is no number is named at once."""
+        """Fill all loads as `Model` does; an effect with a result that is not finite is named immediately."""
         loaded = super().external_force(time, out)
         if loaded and not np.isfinite(out.sum()):
             examine_effects(self, time)
         return loaded
 
     def begin_step(self, dt: float) -> None:
-        """The state as it is becomes the start of a step of length dt [s]."""
+        """Take the present state as the start of a step of length dt [s]."""
         np.add(self.reference, self.state["displacement"], out=self.position)
         self._start[:] = self.state["displacement"]
         for forces in self.forces:
@@ -106,16 +106,16 @@ class ImplicitModel(Model):
             np.subtract(self.state["displacement"], self._start, out=self.increment)
 
     def bound_integrator(self, seen: Any = None) -> BoundIntegrator:
-        """What makes the steps of a run; `seen` is what the integrator sees in place of this model."""
+        """Return the step function of a run; the integrator works on `seen`, or on this model."""
         advance = self.integrator.bind(self if seen is None else seen, self.state)
         return BoundIntegrator(type(self.integrator).__name__, advance, self.state, self.loading.accepted)
 
     def lagging_work(self) -> float:
-        """None: velocities and positions are those of one time."""
+        """Return 0: velocities and positions belong to the same time."""
         return 0.0
 
     def stiffness(self, dt: float) -> Any:
-        """Assembled stiffness at the last `internal_force`; see `contactlab.api.ImplicitEquations`."""
+        """Return the assembled stiffness at the last `internal_force`; see `contactlab.api.ImplicitEquations`."""
         began = perf_counter()
         if self._tangent is None:
             self._tangent = Tangent(len(self.reference), self.forces)
@@ -137,12 +137,12 @@ class ImplicitModel(Model):
         self._load_stiffness.add(time, share, rate, stiffness.data)
 
     def estimate(self, time: float) -> Estimate | None:
-        """That of `estimates` which is of this time; see `contactlab.api.ImplicitEquations`."""
+        """Return the entry of `estimates` at this time; see `contactlab.api.ImplicitEquations`."""
         near = SAME * self.timing.ramp
         return next((known for known in self.estimates if abs(known.time - time) <= near), None)
 
     def folded(self) -> bool:
-        """Whether a cell has a point with det <= 0."""
+        """Return whether a cell has a point with det <= 0."""
         with self._part_of_the_way():
             return any(
                 not smallest_jacobian(forces.geometry, block.connectivity, derivatives)[0] > 0.0
@@ -151,12 +151,12 @@ class ImplicitModel(Model):
             )
 
     def iterated(self) -> None:
-        """Let it be recorded where the iteration is; see `contactlab.api.ImplicitEquations`."""
+        """Record the state of the iteration; see `contactlab.api.ImplicitEquations`."""
         if self.listening is not None:
             self.listening()
 
     def accept(self) -> None:
-        """History and contact memory of the trial become the state's."""
+        """Move history and contact memory of the trial into the state."""
         for forces in self.forces:
             forces.accept()
         if self.contact is not None:

@@ -1,9 +1,9 @@
-"""All that a model carries from one step to the next, for a restart that is exact to the last bit.
+"""All data that a model carries from one step to the next, for a restart that is exact to the last bit.
 
-The state comes first: what a part remembers must live there. The rest is what the core keeps beside
-it: stresses and gradients of the last update (they cannot be computed again without
-stepping the history twice), the positions that near lists were made at, and the references by
-which the stable step is followed.
+The state comes first: memory of plugin components must live there. The rest is kept by the core in addition to
+the state: stresses and gradients of the last update (they cannot be computed again without
+stepping the history twice), the positions of the near lists, and the references of
+the stable step.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from contactlab.model.model import Model
 
 
 def model_memory(model: Model) -> dict[str, Floats]:
-    """The arrays by name; shapes are the same at every step.
+    """Return the arrays by name; shapes are constant.
 
-    Those of the model itself, but for gradients and stresses that blocks share: these are computed again, so that a
+    These are the model's own, except gradients and stresses that blocks share: these are recomputed, so that a
     stored memory shows the stress at every point.
     """
     memory = {f"state.{name}": field for name, field in model.state.fields.items()}
@@ -44,7 +44,7 @@ def model_memory(model: Model) -> dict[str, Floats]:
 
 
 def restore_model(model: Model, memory: Mapping[str, Floats]) -> None:
-    """Bring the model to where `model_memory` was taken. The shapes must be those of this model."""
+    """Restore the model to the time of `model_memory`. The shapes must belong to this model."""
     for name, array in model_memory(model).items():
         if not name.startswith("near."):
             array[...] = memory[name]

@@ -29,10 +29,10 @@ if TYPE_CHECKING:
 class Loading:
     """Loads, effects and supports of one model.
 
-    supports  one per edge set or rigid surface that is held, in the order of the scene
+    supports  one per supported edge set or rigid surface, in the order of the scene
     loads     calls (time, out) that add the forces [N] of a load or an effect to `out` (N, 2)
-    effects   those of them that belong to effects
-    rates     of the effects, which explicit steps have to follow
+    effects   the loads that belong to effects
+    rates     rates of the effects, which limit explicit steps
     """
 
     supports: tuple[SupportedSet, ...]
@@ -42,11 +42,11 @@ class Loading:
 
     @property
     def accepted(self) -> tuple[Callable[[float, float], None], ...]:
-        """What to call with the end and the length [s] of each accepted step: effects that remember."""
+        """Functions called with the end and the length [s] of each accepted step: effects with memory."""
         return tuple(effect.accept for effect in self.effects if hasattr(effect, "accept"))
 
     def external_force(self, time: float, out: Floats) -> bool:
-        """Fill `out` (N, 2) with the forces [N] of all loads at `time` [s]; False where the scene has none."""
+        """Fill `out` (N, 2) with the forces [N] of all loads at `time` [s]; False if the scene has none."""
         if not self.loads:
             return False
         out[:] = 0.0
@@ -55,19 +55,19 @@ class Loading:
         return True
 
     def reactions(self, forces: Floats) -> dict[str, Floats]:
-        """Sums (2,) [N] of nodal reactions `forces` (N, 2) by support; one that several hold counts for the first."""
+        """Return sums (2,) [N] of nodal reactions `forces` (N, 2) by support; shared ones count for the first."""
         return {support.on: support.force(forces) for support in self.supports}
 
 
 @dataclass
 class Model(ABC):
-    """What `build` makes of a scene: an `ExplicitModel` or an `ImplicitModel`. Implements `contactlab.api.Equations`.
+    """Model of a scene: an `ExplicitModel` or an `ImplicitModel`. Implements `contactlab.api.Equations`.
 
-    Fields of `contactlab.api.Equations`, and beside them the bodies, the state, the integrator, the loading and the
+    Fields of `contactlab.api.Equations`, and also the bodies, the state, the integrator, the loading and the
     times of the run. `updates` are the bound block calls of all bodies. `seconds` counts the wall time spent on
-    stresses and internal forces. Whoever sees something doubtful adds it to `warnings`. `way_followed` is False once a
-    step has skipped what the end does not depend on: work along the path is not known then. `start` is what the end is
-    compared with. `needs` fill what laws need at a time [s].
+    stresses and internal forces. Any code with doubts adds them to `warnings`. `way_followed` is False once a
+    step has skipped history that the end does not depend on: work along the path is unknown then. `start` is the
+    reference for the end. `needs` fill the numbers that laws need at a time [s].
     """
 
     reference: Floats
@@ -102,16 +102,16 @@ class Model(ABC):
 
     @property
     def damping(self) -> float:
-        """Mass-proportional damping [1/s] of velocities beside the state's `drift`."""
+        """Mass-proportional damping [1/s] of velocities relative to the state's `drift`."""
         return self.timing.damping
 
     @property
     def relaxation(self) -> float:
-        """Time [s] in which `drift` follows velocities; 0 where damping acts on all motion."""
+        """Time constant [s] with which `drift` follows velocities; 0 if damping acts on all motion."""
         return self.timing.relaxation
 
     def internal_force(self, dt: float) -> None:
-        """Positions, stresses, history and `internal_force` at the state's displacement."""
+        """Update positions, stresses, history and `internal_force` to the state's displacement."""
         began = perf_counter()
         np.add(self.reference, self.state["displacement"], out=self.position)
         if self.increment is not None:
@@ -125,45 +125,45 @@ class Model(ABC):
 
     @abstractmethod
     def _follow(self, dt: float) -> None:
-        """Displacement increments that led here, for laws in rate form."""
+        """Update displacement increments of the step, for laws in rate form."""
 
     @abstractmethod
     def bound_integrator(self, seen: Any = None) -> BoundIntegrator:
-        """What makes the steps of a run; `seen` is what the integrator sees in place of this model."""
+        """Return the step function of a run; the integrator works on `seen`, or on this model."""
 
     @abstractmethod
     def lagging_work(self) -> float:
-        """Work of the stresses [mJ] between the time of the velocities and that of the positions."""
+        """Return the work of the stresses [mJ] between the times of velocities and positions."""
 
     def external_force(self, time: float, out: Floats) -> bool:
-        """Fill `out` (N, 2) with all loads [N]; False where the scene has none."""
+        """Fill `out` (N, 2) with all loads [N]; False if the scene has none."""
         return self.loading.external_force(time, out)
 
     def stable_step(self) -> float:
-        """Largest explicit step [s] of the bodies at the present geometry, without effects."""
+        """Return the largest explicit step [s] of the bodies at the present geometry, without effects."""
         if self._limits is None:
             self._limits = [StableStep(forces, self.position) for forces in self.forces]
         return min(limit.limit(self.position) for limit in self._limits)
 
     def step_within(self, fraction: float) -> float:
-        """`fraction` of the stable step of the bodies [s], or less where effects need it."""
+        """Return `fraction` of the stable step of the bodies [s], or less if effects need it."""
         stable = self.stable_step()
         return min(fraction * stable, self.rates(stable).limit(stable))
 
     def rates(self, stable: float) -> EffectRates:
-        """What explicit steps have to follow beside the bodies, whose stable step [s] is `stable`."""
+        """Return what limits explicit steps in addition to the bodies with stable step `stable` [s]."""
         return self.loading.rates
 
     @property
     def step_limits(self) -> tuple[StableStep, ...]:
-        """What `stable_step` follows, one per body; empty until it was asked for."""
+        """Limits behind `stable_step`, one per body; empty before its first call."""
         return tuple(self._limits or ())
 
     def kinetic_energy(self) -> float:
-        """1/2 v M v [mJ] with the state's velocity."""
+        """Return 1/2 v M v [mJ] with the state's velocity."""
         v = self.state["velocity"]
         return float(0.5 * (self.mass @ (v[:, 0] ** 2 + v[:, 1] ** 2)))
 
     def reactions(self) -> dict[str, Floats]:
-        """Force of each support on its body (2,) [N]; a degree of freedom that several hold counts for the first."""
+        """Return the force of each support on its body (2,) [N]; shared degrees of freedom count for the first."""
         return self.loading.reactions(self.state["reaction"])

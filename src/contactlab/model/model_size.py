@@ -1,7 +1,7 @@
-"""How much memory a model takes, from the sizes of its parts alone: more than was ever measured, by a fifth to a half.
+"""Memory estimate of a model from the sizes of its parts: above all measured values, by a fifth to a half.
 
-Each number counts arrays that are there at the same time, or was measured where libraries allocate; `make fuzz` holds
-the peak of memory of every scene that it tries against the sum, and prints how far it stays below.
+Each number counts arrays that exist at the same time, or was measured if libraries allocate; `make fuzz` compares
+the peak memory of every scene that it tries with the sum, and prints the margin.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ NODE = 280.0  # B per node: five copies of positions, the state twice, results o
 CELL = 24.0  # B per cell: sizes and frequencies, by which the stable step is followed
 NUMBER = 12.0  # B per node of a cell: the numbers of the mesh, of the body and of the block
 POINT = 64.0  # B per point: deformation gradients and stresses of blocks, and later the stresses of the results
-HISTORY = 32.0  # B per number that a law remembers: the state, its copy, and twice the results
-BLOCK = 1024  # cells that are worked on together
+HISTORY = 32.0  # B per history variable of a law: the state, its copy, and twice the results
+BLOCK = 1024  # cells processed together
 ROWS = 48.0  # B per node of a cell of a block: scratch of the element's kernels
-MATRIX = 32.0  # B per entry of a cell's stiffness: itself, scaled, and as eigenvalues are looked for
+MATRIX = 32.0  # B per entry of a cell's stiffness: itself, scaled, and in the eigenvalue search
 TRIPLET = 56.0  # B per entry of the stiffness of all cells: with rows and columns, sorted and added up
 DENSER = 1.4  # times as much for matrices of elements of more nodes than corners: a node has more neighbours
 FACTORS = 250.0  # B per node and doubling of nodes: factors of its stiffness grow as n log n
@@ -28,24 +28,24 @@ DENSE = 8.0 * SMALL**2  # B of a dense matrix for the lowest frequency
 COPIES = 3.2  # of it at one time: itself, springs of joints, their factors; later its free part and its factors
 SOLUTION = 1500.0  # B per node: GMRES, Newton's iterations, right-hand sides
 MATRICES = 5200.0  # B per node of an implicit model: pattern, stiffness, saddle point system and its parts
-CONTACT = 4500.0  # B per slave node: conditions and their rows, near lists, tables of the algorithm
+CONTACT = 4500.0  # B per slave node: constraints and their rows, near lists, tables of the algorithm
 LINEARISED = 15000.0  # B more in an implicit model: derivatives of all pieces of the surface and their matrices
-FRICTION = 3500.0  # B more with friction: slips, bounds, and what is remembered of the start of a step
+FRICTION = 3500.0  # B more with friction: slips, bounds, and the memory of the start of a step
 
 
 @dataclass
 class ModelSize:
-    """What decides how much memory a model takes.
+    """Sizes that determine the memory of a model.
 
-    implicit   whether matrices are factorised in every step; lowest: whether once, for the lowest frequency
+    implicit   True if matrices are factorised in every step; lowest: once, for the lowest frequency
     threads    that work on blocks of cells
     nodes, cells, points
                of all bodies; numbers: nodes of each cell, added up
-    history    numbers that laws remember at all points
+    history    numbers in memory of laws at all points
     entries    of the stiffness matrices of all cells
-    scratch    bytes that threads have for themselves; block: that the matrices of a block of cells take
-    slaves     nodes that conditions are made at; rubbing: those of them with friction
-    dense      whether elements have more nodes than corners
+    scratch    bytes of thread scratch; block: bytes of the matrices of a block of cells
+    slaves     nodes with constraints; rubbing: nodes with friction among them
+    dense      True if elements have more nodes than corners
     """
 
     implicit: bool
@@ -64,9 +64,9 @@ class ModelSize:
     dense: bool = False
 
     def add(self, cells: float, element: type[Element], material: type[Material]) -> None:
-        """A body of so many cells more."""
+        """Add a body of `cells` cells."""
         corner, side, all_nodes = 4, sum(len(edge) - 2 for edge in element.edges), len(element.nodes)
-        points = all_nodes + (side > 0)  # those of eight nodes have nine
+        points = all_nodes + (side > 0)  # elements of eight nodes have nine
         at_once, entries = min(cells, float(BLOCK)), 4.0 * all_nodes**2
         self.dense = self.dense or all_nodes > corner
         self.nodes += cells * (1.0 + side / 2.0 + (all_nodes - corner - side))  # sides and corners are shared
@@ -80,13 +80,13 @@ class ModelSize:
         self.block = max(self.block, MATRIX * entries * at_once)
 
     def add_contact(self, slaves: float, friction: bool) -> None:
-        """A contact with so many slave nodes more."""
+        """Add a contact with `slaves` slave nodes."""
         self.slaves += slaves
         self.rubbing += slaves if friction else 0.0
 
     @property
     def bytes(self) -> float:
-        """Most that the model takes at one time [B]."""
+        """Upper limit of the model's memory at any time [B]."""
         fixed = MODEL + self.threads * self.scratch + self.block
         bodies = NODE * self.nodes + CELL * self.cells + NUMBER * self.numbers + POINT * self.points
         contact = (CONTACT + LINEARISED * self.implicit) * self.slaves + FRICTION * self.rubbing
@@ -99,5 +99,5 @@ class ModelSize:
 
     @property
     def words(self) -> str:
-        """What takes the memory."""
+        """Return a description of the memory use."""
         return f"{self.nodes:.3g} nodes so far{', with matrices of all of them' if self.implicit else ''}"

@@ -1,4 +1,4 @@
-"""What the end of a run is compared with: energy and momenta of its start, and which nodes mirror each other."""
+"""References for the end of a run: energy and momenta of its start, and which nodes mirror each other."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 
 @dataclass
 class Start:
-    """What a run has when it begins.
+    """Data at the start of a run.
 
-    energy    [mJ] of motion
-    momentum  (4,) as of `momenta`
-    mirror    (N,) node at the mirror image in x = 0 of each node, -1 where there is none; None where the scene
+    energy    [mJ] kinetic
+    momentum  (4,) as in `momenta`
+    mirror    (N,) node at the mirror image in x = 0 of each node, -1 without one; None if the scene
               declares no symmetry
     """
 
@@ -30,16 +30,16 @@ class Start:
 
 
 def start_of(model: Model) -> Start:
-    """Energy and momenta of the present velocities; zeros where there are none."""
+    """Return energy and momenta of the present velocities; zeros without velocities."""
     if "velocity" not in model.state:
         return Start(0.0, np.zeros(4))
     return Start(model.kinetic_energy(), momenta(model))
 
 
 def momenta(model: Model) -> Floats:
-    """Momentum along x and y [N s], about the origin [N mm s], and the sum of all nodal magnitudes [N s], (4,).
+    """Return momentum along x and y [N s], about the origin [N mm s], and the sum of nodal magnitudes [N s], (4,).
 
-    A leapfrog keeps the first three exactly: the displacement of a step is along the velocity that led there.
+    A leapfrog keeps the first three exactly: the displacement of a step is along the velocity before.
     """
     position = model.reference + model.state["displacement"]
     along = model.mass[:, None] * model.state["velocity"]
@@ -48,9 +48,9 @@ def momenta(model: Model) -> Floats:
 
 
 def mirrored_nodes(reference: Floats, parts: Sequence[slice]) -> Ints:
-    """The node at the mirror image in x = 0 of each node (N,), of the same one of the `parts`.
+    """Return the node at the mirror image in x = 0 of each node (N,), within the same of the `parts`.
 
-    -1 where there is none within 1e-6 of the size.
+    -1 if there is none within 1e-6 of the size.
     """
     size = float(np.ptp(reference, axis=0).max())
     grid = np.round(reference / (1e-6 * size)).astype(np.int64)
@@ -64,6 +64,6 @@ def mirrored_nodes(reference: Floats, parts: Sequence[slice]) -> Ints:
         key, image = (own[:, 0] - left) * rows + own[:, 1] - low, (-own[:, 0] - left) * rows + own[:, 1] - low
         order = np.argsort(key, kind="stable")
         place = order[np.searchsorted(key[order], image, side="right") - 1]
-        inside = (-own[:, 0] >= left) & (-own[:, 0] <= right)  # elsewhere a key would be that of another place
+        inside = (-own[:, 0] >= left) & (-own[:, 0] <= right)  # elsewhere a key would belong to another place
         mirror[part] = np.where(inside & (key[place] == image), part.start + place, -1)
     return mirror

@@ -1,4 +1,4 @@
-"""Explicit steps by primitives: the core books work, reactions, prescribed motion and positions."""
+"""Explicit steps by primitives: the core handles work, reactions, prescribed motion and positions."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ from contactlab.api.compiled.bound_arrays import BoundArrays
 from contactlab.api.compiled.late import late
 from contactlab.errors import WrongAnswer
 
-ROUND_OFF = 1e-12  # relative: drifts of a step sum to its length but for round-off
+ROUND_OFF = 1e-12  # relative: drifts of a step sum to its length up to round-off
 POWERS = 512  # products of forces and velocities that are summed at a time
 
 
 def bound(integrator: ExplicitIntegrator, equations: ExplicitEquations, state: State) -> Callable[[float], Step]:
-    """The function that makes steps of an integrator which is written by primitives."""
+    """Return the step function of an integrator that is written by primitives."""
     return ExplicitMotion(integrator, equations, state).advance
 
 
 class ExplicitMotion:
     """Implements `contactlab.api.Motion` on one run's arrays, bound at the first step.
 
-    A kick is made together with the contact and the drift that follow it, so that prescribed motion ends where it
+    A kick is made together with the contact and the drift after it, so that prescribed motion ends as it
     should and every force works with the mean of the velocities before and after.
 
-    mobility   (N, 2) [1/t] inverse masses, 0 where motion is prescribed
+    mobility   (N, 2) [1/t] inverse masses, 0 if motion is prescribed
     start      time [s] at the start of the step
-    duration   of the kick that is not made yet [s]; 0 if there is none; `touched` of the last one with contact
+    duration   of the pending kick [s]; 0 if there is none; `touched` of the last kick with contact
     moved      time [s] that positions have moved in this step; `kicked` the sum of its kicks
     ahead      time [s] after which the contact forces of this kick hold the gaps; 0 without
     """
@@ -67,7 +67,7 @@ class ExplicitMotion:
         if self.duration > 0.0:
             self._move(0.0)
         if self.kicked != self.touched and self.done is not self.plain:
-            raise WrongAnswer(f"{self.name}: its step kicks again beside contact, needed: one kick a step with contact")
+            raise WrongAnswer(f"{self.name}: its step kicks again with contact, needed: one kick a step")
         if self.moved != dt and abs(self.moved - dt) > ROUND_OFF * dt:
             raise WrongAnswer(f"{self.name}: its step of {dt:.6g} s drifts for {self.moved:.6g} s, needed: its length")
         return self.done if error is None else self.done._replace(error=error)
@@ -79,7 +79,7 @@ class ExplicitMotion:
         if self.duration > 0.0:
             self._move(0.0)
         self.loaded = self.loads(self.start + self.moved, self.external)
-        # the slow velocity is that before the kick, and follows until the velocities' mean
+        # the slow velocity starts at its value before the kick, and follows until the velocities' mean
         self.damping = self.equations.damping / (1.0 + duration * self.following)
         self.duration = duration
         self.kicked += duration
@@ -129,7 +129,7 @@ class ExplicitMotion:
         return np.asarray(self.mobility * (loads - self.state["internal_force"]))
 
     def _move(self, drift: float) -> None:
-        """Make the kick that is due without contact, move positions for the time `drift`, and book both."""
+        """Make the pending kick without contact, move positions for the time `drift`, and book both."""
         if self.ahead > 0.0:
             raise WrongAnswer(f"{self.name}: its step asks for contact and does not drift, needed: a drift after it")
         self.move(self.address, self.loaded, self.damping, drift, self.duration, self.duration / self.kicked)

@@ -1,8 +1,8 @@
-"""Where the time of elements and contact goes, part by part.
+"""Run time of elements and contact by component.
 
-Contact is timed as it works: a step of it is a few calls from Python. Elements work block by block in microseconds, so
-that a clock in their loop would be seen; their share is measured when the run is over, by repeating the last update of
-a few blocks into arrays of its own.
+Contact is timed as it works: one of its steps is a few calls from Python. Elements work block by block in microseconds,
+so that a clock in their loop would cost too much; their share is measured after the run, by repeating the last update
+of a few blocks into arrays of its own.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from contactlab.model.bodies.body import BodyForces
 from contactlab.model.model import Model
 
 BLOCKS = 3  # of each body: blocks are alike
-REPEATS = 3  # of each, after one that fetches what it needs into the cache
+REPEATS = 3  # of each, after a first repeat that fills the cache
 
 Times = Mapping[str, Mapping[str, float]]
 
 
 def element_times(model: Model) -> dict[str, dict[str, float]]:
-    """Seconds of `model.seconds` by body: in its law, in its element, and in stiffness where it is implicit."""
+    """Return seconds of `model.seconds` by body: in its law, its element, and in stiffness if implicit."""
     stiffness: float = getattr(model, "stiffness_s", 0.0)
     shares = {forces.body.name: _update(forces) for forces in model.forces}
     whole = sum(law + element for law, element in shares.values())
@@ -40,7 +40,7 @@ def element_times(model: Model) -> dict[str, dict[str, float]]:
 
 
 def _update(forces: BodyForces) -> tuple[float, float]:
-    """Seconds of one update of all blocks in the law and in the element, from the first few."""
+    """Return seconds of one update of all blocks in the law and in the element, from the first few."""
     law = element = 0.0
     nodal, material, chosen = np.zeros_like(forces.force), forces.body.material, forces.blocks[:BLOCKS]
     gradient_of, force_of, stabilise = forces.kernels
@@ -66,9 +66,9 @@ def _update(forces: BodyForces) -> tuple[float, float]:
 
 
 def contact_times(contact: Any) -> dict[str, float]:
-    """Seconds of contact: searching, asking the algorithm and building rows, and solving.
+    """Return seconds of contact: searching, calling the algorithm and building rows, and solving.
 
-    Implicit runs solve contact together with the bodies, so that no solution is told apart there.
+    Implicit runs solve contact together with the bodies, without a separate solution time.
     """
     search = sum(pair.search_s for pair in contact.pairs)
     solution: float = getattr(contact, "solution_s", 0.0)

@@ -1,4 +1,4 @@
-"""What a model of a coarser mesh says of the state on a finer one: displacements and pressures, interpolated."""
+"""Prolongation of a coarser model's state to a finer mesh: displacements and pressures, interpolated."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ NEAR = 4  # coarse segments that are compared for each fine one
 
 
 def pressures(model: ImplicitModel) -> Floats:
-    """Multipliers (r, k) of the state over the lengths that they stand for [MPa]."""
+    """Return multipliers (r, k) of the state over their lengths [MPa]."""
     if model.contact is None:
         return np.zeros((1, 0))
     force, measure = model.contact.conditions.force, model.contact.conditions.measure
@@ -27,7 +27,7 @@ def pressures(model: ImplicitModel) -> Floats:
 
 
 class Prolongation:
-    """From one model to a finer one of the same scene. The search is done once."""
+    """Map from one model to a finer model of the same scene. The search is done once."""
 
     def __init__(self, coarse: ImplicitModel, fine: ImplicitModel) -> None:
         self.shape = fine.reference.shape
@@ -37,7 +37,7 @@ class Prolongation:
         self.multipliers = fine.contact.conditions.force.shape if fine.contact is not None else (1, 0)
 
     def estimate(self, time: float, displacement: Floats, pressure: Floats) -> Estimate:
-        """The coarse displacement (N, 2) and pressure (r, k) at `time`, on the fine mesh."""
+        """Return the coarse displacement (N, 2) and pressure (r, k) at `time`, on the fine mesh."""
         moved, pressed = np.zeros(self.shape), np.zeros(self.multipliers)
         for body in self.bodies:
             body.carry(displacement, moved)
@@ -82,7 +82,7 @@ def _slots(pair: ContactPair, slot: int) -> slice:
 
 
 def _filled(values: Floats, pair: ContactPair) -> Floats:
-    """Nodes that carry no multiplier take the mean of the carriers beside them."""
+    """Fill nodes without multiplier with the mean of adjacent nodes with one."""
     without, after, before = pair.between
     if not len(without):
         return values
@@ -92,9 +92,9 @@ def _filled(values: Floats, pair: ContactPair) -> Floats:
 
 
 def _along(coarse: Surface, before: Floats, fine: Surface, after: Floats) -> tuple[Floats, Floats]:
-    """For every node of the fine surface the ends (m, 2) of a coarse segment, and where between them it lies (m,).
+    """Return for every node of the fine surface the ends (m, 2) of a coarse segment, and the share between them (m,).
 
-    The segment is the one nearest to the middle of a fine one at the node: each flank of a corner keeps its own.
+    The segment is nearest to the middle of a fine segment at the node: each flank of a corner keeps its own.
     """
     from scipy.spatial import cKDTree
 

@@ -1,4 +1,4 @@
-"""How large a scene will be, before anything is allocated for it."""
+"""Size of a scene, before anything is allocated for it."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ if TYPE_CHECKING:
     from contactlab.parts.registry import Registry
     from contactlab.scene.scene import Scene
 
-SEGMENT_BYTES = 200.0  # of a rigid surface: positions, edges and what a contact keeps for each
+SEGMENT_BYTES = 200.0  # of a rigid surface: positions, edges and contact data for each
 FRAME_BYTES = 12.0  # that a frame keeps in memory until the run ends, per node: positions and a value to show
 THREADS_PER_CORE = 4
 FEWER = "fewer cells, a smaller level, or longer segments"
 
 
 def check_sizes(scene: Scene, registry: Registry) -> None:
-    """Raise SceneError, with key, estimate and limit, for what cannot fit into this machine."""
+    """Raise SceneError, with key, estimate and limit, for a scene too large for this machine."""
     most = THREADS_PER_CORE * (os.cpu_count() or 1)
     if scene.threads > most:
         raise SceneError(
@@ -44,7 +44,7 @@ def check_sizes(scene: Scene, registry: Registry) -> None:
 
 
 def check_meshed_size(scene: Scene, registry: Registry, bodies: Sequence[Body]) -> None:
-    """The same once there are meshes: from a file, or of a kind whose `cells` are not all of its cells."""
+    """Check sizes again once meshes exist: from a file, or of a kind whose `cells` are not all of its cells."""
     size, slaves = _no_nodes(scene, registry), _slaves(scene)
     for body in bodies:
         _add(size, scene, registry, slaves, body.name, len(body.cells), _edges(body))
@@ -52,7 +52,7 @@ def check_meshed_size(scene: Scene, registry: Registry, bodies: Sequence[Body]) 
 
 
 def estimated_bytes(scene: Scene, registry: Registry, cells: Mapping[str, int] | None = None) -> float:
-    """Bytes that the model of a scene will take, with so many cells in its bodies, or as many as it says."""
+    """Return bytes of the model of a scene, with `cells` in its bodies, or as many as the scene gives."""
     size, slaves = _no_nodes(scene, registry), _slaves(scene)
     for name, body in scene.bodies.items():
         number = _cells(body.mesh, scene.level) if cells is None else cells[name]
@@ -61,15 +61,15 @@ def estimated_bytes(scene: Scene, registry: Registry, cells: Mapping[str, int] |
 
 
 def check_frame_size(frames: int, nodes: int, where: Location) -> None:
-    """Raise SceneError where the stored frames of a run are more than this machine can hold.
+    """Raise SceneError if the stored frames of a run exceed the memory of this machine.
 
-    frames  that will be stored at most: as many as the scene asks for, but no more than steps
+    frames  upper limit of stored frames: as many as the scene asks for, but no more than steps
     """
     _fits(FRAME_BYTES * frames * nodes, where, f"{frames} frames of {nodes} nodes", "fewer frames, or a coarser mesh")
 
 
 def check_rigid_size(points: float, where: Location, segment: float) -> None:
-    """Raise SceneError where a rigid surface has more segments than this machine can hold."""
+    """Raise SceneError if a rigid surface has more segments than this machine can hold."""
     _fits(SEGMENT_BYTES * points, where, f"{points:.3g} segments of {segment:.3g} mm")
 
 
@@ -87,12 +87,12 @@ def _fits(size: float, where: Location, got: str, hint: str = FEWER) -> None:
 
 def _no_nodes(scene: Scene, registry: Registry) -> ModelSize:
     integrator = registry.part_class("integrator", scene.integrator["use"], scene.where("integrator"))
-    # how slowly a quasi-static run is loaded follows from the lowest frequency
+    # the loading time of a quasi-static run depends on the lowest frequency
     return ModelSize(not issubclass(integrator, ExplicitIntegrator), scene.time.end == "auto", scene.threads)
 
 
 Slaves = Mapping[str, list[tuple[str, bool]]]
-"""Edge sets of each body that are slaves, and whether with friction."""
+"""Slave edge sets of each body, True with friction."""
 
 
 def _slaves(scene: Scene) -> Slaves:
@@ -113,7 +113,7 @@ def _add(
     cells: float,
     edges: Callable[[str], float],
 ) -> None:
-    """A body of so many cells, with so many `edges` of cells in each of its edge sets."""
+    """Add a body of `cells` cells, with `edges` of cells in each of its edge sets."""
     body = scene.bodies[name]
     element = registry.part_class("element", body.element["use"], scene.where(f"bodies.{name}.element"))
     law = registry.part_class(
@@ -126,19 +126,19 @@ def _add(
 
 
 def _sides(mesh: Mapping[str, Any], level: int) -> Callable[[str], float]:
-    """Edges on the whole boundary of a mesh that says how many cells it has, whatever edge set is asked for."""
+    """Return edges on the whole boundary of a mesh with a given number of cells, for any edge set."""
     counts = mesh.get("cells")
     around = sum(_sum(count) for count in counts) if isinstance(counts, list | tuple) else 0.0
     return lambda edge_set: 2.0 * level * around
 
 
 def _edges(body: Body) -> Callable[[str], float]:
-    """Edges in a set of a mesh that is there."""
+    """Return edges in a set of an existing mesh."""
     return lambda edge_set: float(len(body.mesh.edges[edge_set])) if edge_set in body.mesh.edges else 0.0
 
 
 def _cells(mesh: Mapping[str, Any], level: int) -> float:
-    """Cells of a mesh that says their number, at a level; 0 for others."""
+    """Return cells of a mesh that gives their number, at a level; 0 for others."""
     counts = mesh.get("cells")
     if not isinstance(counts, list | tuple) or not counts:
         return 0.0

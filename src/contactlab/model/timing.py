@@ -1,4 +1,4 @@
-"""How long a run takes: given in the scene, or found so that an explicit run is quasi-static."""
+"""Times of a run: given in the scene, or found so that an explicit run is quasi-static."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 
 
 class Pace(NamedTuple):
-    """How a quasi-static run is driven, by the frequency w1 of the lowest mode that the loading excites.
+    """Loading pace of a quasi-static run, by the frequency w1 of the lowest mode that the loading excites.
 
     periods     of that mode in a ramp
     damping     alpha / w1
-    relaxation  times 1/w1: vibrations at w1 and above are damped, what lasts longer is left alone; 0: all is damped
+    relaxation  times 1/w1: vibrations at w1 and above are damped, slower motion is not; 0: all is damped
     """
 
     periods: float
@@ -35,11 +35,11 @@ class Pace(NamedTuple):
     relaxation: float
 
 
-THE_WAY = Pace(100.0, 0.2, 3.0)  # every state on the way in equilibrium
-LONGEST_HOLD = 50.0  # periods: contact that closes late takes its own time, however fast the ramp was
+THE_WAY = Pace(100.0, 0.2, 3.0)  # every state on the path in equilibrium
+LONGEST_HOLD = 50.0  # periods: contact that closes late needs its time at any ramp speed
 LITTLE = 0.01  # of an initial motion
 A_PERIOD = 2  # implicit steps of the lowest mode's period in a run until it settles: with one, vibrations do not fade
-THE_END = Pace(6.0, 1.0, 0.0)  # the way left to what it may be: half of critical damping of w1 when it is over
+THE_END = Pace(6.0, 1.0, 0.0)  # any path: half of critical damping of w1 at the end
 
 
 @dataclass(frozen=True)
@@ -48,17 +48,17 @@ class Timing:
 
     end      fixed end, None if the run ends when it has settled
     ramp     duration of ramps that name none
-    last     end of all that the scene declares in time: the fixed end, or the begin of the hold
+    last     end of all declarations in time: the fixed end, or the begin of the dwell
     because  the key that `last` follows from; "" if the program chose it
-    hold     longest time after `last` (only without a fixed end)
+    hold     longest dwell after `last` (only without a fixed end)
     period   period of the lowest mode, over which settling is judged
     relaxation
-             time in which the drift, which damping leaves alone, follows velocities; 0: damping acts on all motion
+             time constant with which the drift, exempt from damping, follows velocities; 0: damping acts on all motion
     until_settled
-             False where the scene fixes the hold: the run then takes all of it
-    follows  whether states on the loading path are meant to be in equilibrium
-    ramps    what ramps that name no duration go by; a way in equilibrium begins and ends without a jolt
-    told     warnings of what the scene declares behind its end, or leaves to the program although it counts
+             False if the scene fixes the dwell: the run then takes all of it
+    follows  True if states on the loading path are meant to be in equilibrium
+    ramps    for ramps that name no duration; a path in equilibrium begins and ends without a jolt
+    told     warnings of declarations beyond the end, or of important values left to the program
     """
 
     end: float | None
@@ -75,7 +75,7 @@ class Timing:
     told: tuple[RunWarning, ...] = ()
 
     def resolved(self) -> dict[str, float]:
-        """What `auto` chose, as keys of `[time]`; empty if the end is fixed."""
+        """Times chosen by `auto`, as keys of `[time]`; empty if the end is fixed."""
         if self.end is not None:
             return {}
         return {
@@ -99,8 +99,8 @@ def find_timing(
 ) -> Timing:
     """Find the times of a scene: with `end = "auto"` from the lowest mode of the bodies as joints tie them.
 
-    `THE_WAY` is the pace of a scene with a history, `THE_END` that of others (docs/theory/explicit-scheme.md). No
-    automatic end lies before that of anything that the scene declares in time.
+    `THE_WAY` is the pace of a scene with a history, `THE_END` of others (docs/theory/explicit-scheme.md). No
+    automatic end lies before the end of any declaration in time.
     """
     time = scene.time
     if time.end != "auto":
@@ -117,7 +117,7 @@ def find_timing(
         return Timing(end, ramps.duration, end, because, 0.0, end, 0.0, 0.0, False, ramps, told=told)
     from contactlab.model.bodies.frequency import lowest_frequency
 
-    # unit vectors along which supports move; both axes where none does
+    # unit vectors along which supports move; both axes if none does
     directions = np.eye(2)[[c for c in range(2) if supports.moving[c]] or [0, 1]]
     frequency = lowest_frequency(bodies, positions, mass, supports.dof, directions, joints())
     if not math.isfinite(frequency):
@@ -125,7 +125,7 @@ def find_timing(
             "nothing can move: every degree of freedom is supported",
             where=scene.where("time.end"),
             got=scene.time.end,
-            allowed="a number of seconds where no body can swing",
+            allowed="a number of seconds if no body can vibrate",
         )
     pace = THE_WAY if history else THE_END
     period = 2.0 * math.pi / frequency
@@ -143,7 +143,7 @@ def find_timing(
 
 
 def _latest(scene: Scene, ramps: RampTime) -> tuple[float, str]:
-    """The ramp time, or the end of what the scene declares where that is later, and the key that says so."""
+    """Return the ramp time, or the later end of the scene's declarations, and its key."""
     last, key = last_of(scene, ramps)
     if last > (1.0 + NEARLY) * ramps.duration:
         return last, key
@@ -151,7 +151,7 @@ def _latest(scene: Scene, ramps: RampTime) -> tuple[float, str]:
 
 
 def _rated(bodies: tuple[Body, ...], last: float, because: str) -> Iterator[RunWarning]:
-    """Warnings of laws that depend on rate in a run whose time nobody gave."""
+    """Yield warnings of laws that depend on rate in a run without a given time."""
     for body in bodies:
         if body.material.rate_dependent and not because:
             yield RunWarning(
@@ -162,7 +162,7 @@ def _rated(bodies: tuple[Body, ...], last: float, because: str) -> Iterator[RunW
 
 
 def _thrown(scene: Scene, damping: float, last: float) -> Iterator[RunWarning]:
-    """Warnings of bodies with an initial motion, which the damping of a quasi-static run takes away."""
+    """Yield warnings of bodies whose initial motion is damped in a quasi-static run."""
     for name, spec in scene.bodies.items():
         key = "velocity" if any(spec.velocity) else "spin"
         if np.any(getattr(spec, key)) and damping * last > LITTLE:

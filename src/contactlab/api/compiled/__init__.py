@@ -1,1 +1,1 @@
-"""Compiled code for parts: the kernel decorators, bound arrays, late imports. Imports numba when used."""
+"""Compiled code for plugins: the kernel decorators, bound arrays, late imports. Imports numba when used."""

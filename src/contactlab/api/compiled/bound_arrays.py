@@ -1,16 +1,16 @@
-"""Arrays that are bound once and then passed to kernels as one number, their address.
+"""Arrays that are bound once and then passed to kernels as their address.
 
 To pass twenty arrays costs a call of compiled code one microsecond, in tuples three: more than a kernel takes for a
 few dozen nodes. A `BoundArrays` object keeps its arrays alive, so its address is valid as long as the object lives;
 inside a kernel, `contactlab.api.compiled.unpack` turns the address back into the arrays.
 
 An address that has outlived its object raises an error in the kernel and never reads freed memory: the memory of a
-table is never given back, and the address contains a serial number which the table repeats while its object lives.
-So a stale address is found even where other arrays have been bound at the same place since.
+table is never released, and the address contains a serial number which the table repeats while its object lives.
+So a stale address is found even if other arrays have been bound at the same place since.
 
-What is bound is described by a layout such as "d2 i1", or by a table: a named tuple whose annotations are the array
+Bound data are described by a layout such as "d2 i1", or by a table: a named tuple whose annotations are the array
 types below, or other tables. Inside a kernel the arrays of a table have the names of its fields. A class of objects
-that kernels take, a `KernelArgument`, is a table as well, of those of its fields that are annotated so.
+that kernels take, a `KernelArgument`, is a table as well, of its fields with such annotations.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ __all__ = [
 ]
 
 ADDRESS_BITS: Final = 48
-"""Bits of an address that say where a table is; the others hold its serial number."""
+"""Bits of an address for the position of a table; the others hold its serial number."""
 
 LAST_SERIAL: Final = 2**15 - 1  # so that addresses are positive
 _FREE: dict[int, list[tuple[NDArray[np.int64], int]]] = {}
@@ -72,7 +72,7 @@ Bytes2 = Annotated[NDArray[np.uint8], "c2"]
 
 @cache
 def members(table: type) -> dict[str, str | type]:
-    """What each field of a table holds: the layout of an array, such as "d2", or another table."""
+    """Return the content of each field of a table: the layout of an array, such as "d2", or another table."""
     hints = get_type_hints(table, include_extras=True)
     held = {name: getattr(hint, "__metadata__", (hint,))[0] for name, hint in hints.items()}
     return {name: one for name, one in held.items() if isinstance(one, str) or issubclass(one, (tuple, KernelArgument))}
@@ -80,12 +80,12 @@ def members(table: type) -> dict[str, str | type]:
 
 @cache
 def layout_of(table: type) -> str:
-    """The layout of all arrays of a table in order, including those of the tables within it."""
+    """Return the layout of all arrays of a table in order, with the tables within it."""
     return " ".join(held if isinstance(held, str) else layout_of(held) for held in members(table).values())
 
 
 def table_of(table: type, arrays: Iterator[Any]) -> Any:
-    """The named tuple of arrays as a kernel unpacks it, for kernels that run as plain Python."""
+    """Return the named tuple of arrays as a kernel unpacks it, for kernels that run as plain Python."""
     held = members(table).values()
     return _tuple_of(table)(*(next(arrays) if isinstance(one, str) else table_of(one, arrays) for one in held))
 
@@ -101,7 +101,7 @@ class BoundArrays:
     `layout` has one word for each array: a letter for its type (d float64, f float32, i int32, l int64, s uint16,
     c uint8, b bool) and its number of dimensions, as in "d2 i1"; or it is a table (see the module). `table` is the
     memory at the address: first the address itself, as long as this object lives, then the arrays in the form in which
-    compiled code holds them. Raises TypeError for an array of another type or shape, or one that is not contiguous.
+    compiled code holds them. Raises TypeError for an array of another type or shape, or not contiguous.
     """
 
     def __init__(self, layout: str | type, *arrays: Any) -> None:
@@ -128,7 +128,7 @@ class BoundArrays:
 
 
 def _room(words: int) -> tuple[NDArray[np.int64], int]:
-    """Memory for a table, never given back, and a serial number that no earlier table at this place had."""
+    """Return memory for a table, never released, and a serial number that no earlier table at this place had."""
     free = _FREE.get(words)
     table, serial = free.pop() if free else (np.zeros(words, np.int64), 0)
     return table, serial + 1
@@ -148,8 +148,8 @@ def _flat(arrays: tuple[Any, ...]) -> Iterator[Any]:
 class KernelArgument:
     """Base of objects that a kernel takes as one argument: inside it their arrays have the names of the fields.
 
-    A field is an array there if it is annotated as one of those above, and further arrays if it is such an object. An
-    object that a kernel was given once keeps its arrays: they are filled anew, never exchanged.
+    A field is an array there if it is annotated as an array, and further arrays if it is such an object. An
+    object passed to a kernel keeps its arrays: they are refilled, never replaced.
     """
 
     @cached_property
@@ -159,14 +159,14 @@ class KernelArgument:
 
     @cached_property
     def _numba_type_(self) -> Any:
-        """Asked for by numba; arrays that do not fit are found here."""
+        """Return its numba type; arrays that do not fit are found here."""
         return late("contactlab.api.compiled.unpack").Table(self.packed.layout)
 
 
 class BoundCache:
-    """Bound arrays of long-lived objects: made when first asked for, forgotten together with their object.
+    """Bound arrays of long-lived objects: made on demand, dropped together with their object.
 
-    They are asked for in every step, so the key is the `id` of the object: a weak key costs more than a kernel's call.
+    They are needed in every step, so the key is the `id` of the object: a weak key costs more than a kernel's call.
     """
 
     def __init__(self) -> None:
@@ -176,7 +176,7 @@ class BoundCache:
         return id(owner) in self._kept
 
     def of(self, owner: Any, bind: Callable[..., BoundArrays], *sources: Any) -> BoundArrays:
-        """The result of bind(owner, *sources), made again as soon as one of the sources is another object."""
+        """Return the result of bind(owner, *sources), renewed as soon as a source is another object."""
         number = id(owner)
         found = self._kept.get(number)
         if found is not None:

@@ -1,4 +1,4 @@
-"""Where compiled machine code lives on disk, so that it is reused and never stale.
+"""Location of compiled machine code on disk, so that it is reused and never stale.
 
 numba checks only the file of the cached function, not the files of the functions that it inlines: after an inlined
 helper was edited or upgraded, the old machine code would still run. The name of the folder therefore contains a hash
@@ -20,7 +20,7 @@ KERNELS, TEMPLATES = PACKAGE / "kernels", PACKAGE / "formulas"
 
 
 def cache_root() -> Path:
-    """`CONTACTLAB_CACHE`, or a folder in the user's cache directory."""
+    """Return `CONTACTLAB_CACHE`, or a folder in the user's cache directory."""
     chosen = os.environ.get("CONTACTLAB_CACHE")
     if chosen:
         return Path(chosen)
@@ -30,7 +30,7 @@ def cache_root() -> Path:
 
 @cache
 def source_hash(folder: Path) -> str:
-    """Hash of all Python sources below `folder` and of the core's kernels, in a fixed order."""
+    """Return a hash of all Python sources below `folder` and of the core's kernels, in a fixed order."""
     digest = hashlib.sha256()
     digest.update(f"{sys.version} numba {importlib.metadata.version('numba')}".encode())
     api = Path(__file__).resolve().parents[1]
@@ -42,7 +42,7 @@ def source_hash(folder: Path) -> str:
 
 
 def cache_folder(source: str) -> str:
-    """The cache folder for kernels defined in the file `source`."""
+    """Return the cache folder for kernels defined in the file `source`."""
     file = Path(source).resolve()
     folder = KERNELS if PACKAGE in file.parents else file.parent
     return str(cache_root() / "kernels" / source_hash(folder))

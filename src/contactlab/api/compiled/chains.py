@@ -11,7 +11,7 @@ __all__ = ["nodal_normals", "segment_normals", "tributary_lengths"]
 
 @kernel
 def segment_normals(positions, segments, normals, lengths):
-    """Outward unit normals (s, 2), the tangent turned by -90 degrees, and lengths (s,) [mm]."""
+    """Compute outward unit normals (s, 2), the tangent turned by -90 degrees, and lengths (s,) [mm]."""
     for s in range(segments.shape[0]):
         a, b = segments[s, 0], segments[s, 1]
         tx, ty = positions[b, 0] - positions[a, 0], positions[b, 1] - positions[a, 1]
@@ -23,7 +23,7 @@ def segment_normals(positions, segments, normals, lengths):
 
 @kernel
 def nodal_normals(node_segments, segment_normal, lengths, normals):
-    """Length-weighted averages (m, 2) of the unit normals of the segments that meet at a node."""
+    """Compute length-weighted averages (m, 2) of the unit normals of the segments that meet at a node."""
     for i in range(node_segments.shape[0]):
         x, y = 0.0, 0.0
         for side in range(2):
@@ -38,7 +38,7 @@ def nodal_normals(node_segments, segment_normal, lengths, normals):
 
 @kernel
 def tributary_lengths(positions, segments, node_segments, out):
-    """Half the length [mm] of the segments at each of m nodes, written `slots` times into `out` (slots * m,)."""
+    """Write half the length [mm] of the segments at each of m nodes, `slots` times, into `out` (slots * m,)."""
     m = node_segments.shape[0]
     for i in range(m):
         total = 0.0

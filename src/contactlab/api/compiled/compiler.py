@@ -1,13 +1,13 @@
-"""How kernels are compiled: all that touches numba beside its decorators.
+"""Compilation of kernels: all contact with numba except the decorators.
 
 Machine code of a kernel contains everything it calls, independent of what else the process has loaded. numba copies the
 functions that a kernel calls into its machine code and optimises them together with their caller. Of all copies of one
-function, its linker then lets the whole process run the one that was loaded first. Copies may round differently, and
-which is first depends on what the process compiled, found in the cache or ran before. Here each copy belongs to its
+function, its linker then lets the whole process run the first copy loaded. Copies may round differently, and
+the first depends on earlier work of the process. Here each copy belongs to its
 caller alone (`ClosedLibrary`), so the result of a kernel depends on its source, its types and the processor only.
 
-Since a part of a kernel only ever runs as such a copy, it is not optimised by itself, nor made machine code of
-(`PartLibrary`). Whether a function has an entry point for Python, or is inlined, is said to the last pass alone: numba
+Since a part of a kernel only ever runs as such a copy, it is neither optimised by itself, nor made machine code
+(`PartLibrary`). Only the last pass knows whether a function has an entry point for Python, or is inlined: numba
 compiles its own functions, such as `max`, again for callers of other options.
 """
 
@@ -35,12 +35,12 @@ OPTIONS: dict[str, Any] = {
     "error_model": "numpy", "fastmath": {"contract"}, "nogil": True, "no_cfunc_wrapper": True,
     "no_cpython_wrapper": True,
 }  # fmt: skip
-# said explicitly: otherwise a part would take this option from the first kernel that calls it
+# explicit: otherwise a part would take this option from the first kernel that calls it
 COUNTED: dict[str, Any] = {**OPTIONS, "_nrt": True}
 
 
 SHARED = Linkage.linkonce_odr
-"""How numba marks a copy that the linker may replace by another one."""
+"""Numba's mark of a copy that the linker may replace by another copy."""
 
 
 class ClosedLibrary(JITCodeLibrary):
@@ -57,7 +57,7 @@ class PartLibrary(JITCodeLibrary):
     """The intermediate code of a part of kernels and of what it calls, which never runs by itself."""
 
     def _optimize_final_module(self) -> None:
-        """Left to the kernels that contain it."""
+        """Leave optimisation to the kernels that contain it."""
 
     def _finalize_final_module(self) -> None:
         self._finalize_dynamic_globals()
@@ -65,41 +65,41 @@ class PartLibrary(JITCodeLibrary):
         self._finalized = True
 
     def get_pointer_to_function(self, name: str) -> int:
-        """None, as for a function that has no entry point."""
+        """Return 0, as for a function without entry point."""
         return 0
 
     @property
     def codegen(self) -> Any:
-        """Where a function's environment is set: each kernel has its own copy of that, too."""
+        """Object that sets a function's environment: each kernel has its own copy of the environment, too."""
         return _Nowhere
 
 
 class _Nowhere:
     @staticmethod
     def set_env(env_name: str, env: Any) -> None:
-        """Nothing of a part is in the memory of the process."""
+        """Do nothing: the process's memory contains no part."""
 
 
 @register_pass(mutates_CFG=True, analysis_only=False)
 class LoweringWithEntry(NativeLowering):
-    """Makes an entry point for Python, too."""
+    """Lowering that also makes an entry point for Python."""
 
     _name = "kernel_lowering"
 
     def run_pass(self, state: Any) -> bool:
-        """Called by numba."""
+        """Run the pass; called by numba."""
         state.flags.no_cpython_wrapper = False
         return bool(super().run_pass(state))
 
 
 @register_pass(mutates_CFG=True, analysis_only=False)
 class InlinedLowering(NativeLowering):
-    """Has the function inlined wherever it is called."""
+    """Lowering that inlines the function wherever it is called."""
 
     _name = "inlined_lowering"
 
     def run_pass(self, state: Any) -> bool:
-        """Called by numba."""
+        """Run the pass; called by numba."""
         state.flags.forceinline = True
         return bool(super().run_pass(state))
 
@@ -111,7 +111,7 @@ class KernelCompiler(CompilerBase):
     lowering: type[NativeLowering] = LoweringWithEntry
 
     def define_pipelines(self) -> list[Any]:
-        """Called by numba for the passes over what is compiled: its own, but for the last one."""
+        """Return numba's passes with the last one replaced; called by numba."""
         made = PassManager("kernel")
         for kind, text in DefaultPassBuilder.define_nopython_pipeline(self.state).passes:
             made.add_pass(self.lowering if kind is NativeLowering else kind, text)
@@ -129,19 +129,19 @@ class KernelCompiler(CompilerBase):
 
 
 class PartCompiler(KernelCompiler):
-    """The same for a part of kernels."""
+    """Compiler for a part of kernels."""
 
     library, lowering = PartLibrary, NativeLowering
 
 
 class InlinedCompiler(PartCompiler):
-    """The same for a part that is inlined wherever it is called."""
+    """Compiler for a part that is inlined wherever it is called."""
 
     lowering = InlinedLowering
 
 
 class Compilation:
-    """CPU seconds that this process has spent on compiling kernels and loading them from the cache.
+    """CPU seconds spent by this process on compiling kernels and loading them from the cache.
 
     Garbage collection is off meanwhile: it would walk through a million short-lived objects in vain. `listener` is
     called with each kernel that Python calls, before it is compiled or loaded. `depth` is above zero during a
@@ -153,7 +153,7 @@ class Compilation:
         self.listener: Callable[[Any], None] | None = None
 
     def tell(self, kernel: Any) -> None:
-        """Tell the listener that a kernel is about to be compiled or loaded, but not of the kernels that it calls."""
+        """Notify the listener that a kernel is about to be compiled or loaded, except kernels that it calls."""
         if self.listener is not None and not self.depth:
             self.listener(kernel)
 
@@ -175,13 +175,13 @@ COMPILATION = Compilation()
 
 
 class Kernel(CPUDispatcher):
-    """A kernel as Python calls it. Kernels that call it call its `part`."""
+    """A kernel called from Python. Kernels that call it call its `part`."""
 
     compiler = KernelCompiler
 
     @cached_property
     def part(self) -> Part:
-        """The same function for other kernels: machine code of its own is made when Python calls it, and not before."""
+        """The same function for other kernels: it gets machine code of its own only when Python calls it."""
         made = dispatcher(Part, self.py_func, {name: self.targetoptions[name] for name in COUNTED})
         return cast(Part, made)
 
@@ -190,7 +190,7 @@ class Kernel(CPUDispatcher):
         return types.Dispatcher(self.part)
 
     def compile(self, sig: Any) -> Any:
-        """Called at the first call with arguments of new types."""
+        """Compile at the first call with arguments of new types."""
         COMPILATION.tell(self)
         with kernel_locked(self), COMPILATION:
             return super().compile(sig)
@@ -199,7 +199,7 @@ class Kernel(CPUDispatcher):
 class Part(CPUDispatcher):
     """A function that kernels call: compiled within each of them, without an entry point for Python.
 
-    It gets one when Python calls it after all. Literal arguments are plain numbers: a new one causes no compilation.
+    It gets one when Python calls it. Literal arguments are plain numbers: a new literal causes no compilation.
     """
 
     compiler = PartCompiler
@@ -210,11 +210,11 @@ class Part(CPUDispatcher):
         return dispatcher(Kernel, self.py_func, COUNTED)
 
     def __call__(self, *arguments: Any, **named: Any) -> Any:
-        """Called by Python."""
+        """Call the function with an entry point, from Python."""
         return self.with_entry(*arguments, **named)
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
-        """Called where a kernel calls this function."""
+        """Return the signature of a call from a kernel."""
         return super().get_call_template([types.unliteral(argument) for argument in args], kws)
 
 
@@ -227,7 +227,7 @@ class Inlined(Part):
 def dispatcher(
     kind: type[Kernel | Part], function: Callable[..., Any], options: dict[str, Any], cached: bool = False
 ) -> Callable[..., Any]:
-    """A dispatcher of the given class, else as `njit` makes it; the function itself where numba is switched off."""
+    """Return a dispatcher of the given class, else as made by `njit`; the function itself if numba is switched off."""
     if numba.config.DISABLE_JIT:
         return function
     made = kind(

@@ -1,7 +1,7 @@
 """Dual numbers inside kernels: a value and its derivatives by 4, 8 or 12 directions. Imports numba when imported.
 
-The derivatives are held four to a vector register, so an operation costs one instruction for the value and one to three
-for all derivatives. Comparisons look at values: a kink has the derivative of the side that its value is on.
+Four derivatives share a vector register, so an operation costs one instruction for the value and one to three
+for all derivatives. Comparisons use values: at a kink the derivative is one-sided, on the side of the value.
 
 Arithmetic is defined for numbers, dual numbers, and the vectors and tensors of `contactlab.api.tensors` of either.
 """
@@ -31,7 +31,7 @@ _I32 = ir.IntType(32)
 
 
 class Dual(types.Type):
-    """The type of a dual number with so many directions."""
+    """The type of a dual number with a given number of directions."""
 
     def __init__(self, directions: int) -> None:
         self.directions = directions
@@ -39,15 +39,15 @@ class Dual(types.Type):
 
     @property
     def registers(self) -> int:
-        """Vectors of four derivatives."""
+        """Number of vectors of four derivatives."""
         return self.directions // LANES
 
     def can_convert_from(self, typingctx: Any, other: Any) -> Any:
-        """A number is a dual number without derivatives."""
+        """Treat a number as a dual number without derivatives."""
         return Conversion.safe if _is_number(other) else None
 
     def unify(self, typingctx: Any, other: Any) -> Any:
-        """Type of a variable that is sometimes a number."""
+        """Return the type of a variable that is sometimes a number."""
         return self if _is_number(other) else None
 
 
@@ -85,7 +85,7 @@ def _components(context: Any, builder: Any, found: Any, held: Any) -> list[Any]:
 
 
 def _finished(builder: Any, found: Any, components: list[Any]) -> Any:
-    """The value of a scalar of type `found`."""
+    """Return the value of a scalar of type `found`."""
     if not isinstance(found, Dual):
         return components[0]
     nothing = [ir.Constant(_REGISTER, [0.0] * LANES)] * (1 + found.registers - len(components))
@@ -93,14 +93,14 @@ def _finished(builder: Any, found: Any, components: list[Any]) -> Any:
 
 
 def _spread(builder: Any, number: Any) -> Any:
-    """A register of one number."""
+    """Return a register of one number."""
     undefined = ir.Constant(_REGISTER, ir.Undefined)
     first = builder.insert_element(undefined, number, _I32(0))
     return builder.shuffle_vector(first, undefined, ir.Constant(ir.VectorType(_I32, LANES), [0] * LANES))
 
 
 def _combined(builder: Any, a: Any, first: list[Any], b: Any, second: list[Any]) -> list[Any]:
-    """a d(first) + b d(second), register by register."""
+    """Return a d(first) + b d(second), register by register."""
     one = _spread(builder, a) if len(first) > 1 else None
     other = _spread(builder, b) if len(second) > 1 else None
     out = []
@@ -144,11 +144,11 @@ def _lifted(context: Any, builder: Any, number: Any, dual: Any, held: Any) -> An
     return _finished(builder, dual, _components(context, builder, number, held))
 
 
-# --- what each operator gives: numbers, vectors and tensors --------------------------------------------------------
+# --- results of operators: numbers, vectors and tensors --------------------------------------------------------
 
 
 def _kind(found: Any) -> type | None:
-    """float of a number or a dual number, `Vector`, `Tensor`, or None for anything else."""
+    """Return float for a number or a dual number, `Vector`, `Tensor`, or None for anything else."""
     if _is_number(found) or isinstance(found, Dual):
         return float
     if isinstance(found, types.BaseNamedTuple) and found.instance_class in (Vector, Tensor):
@@ -161,7 +161,7 @@ def _scalars(found: Any) -> tuple[Any, ...]:
 
 
 def _scalar(found: tuple[Any, ...]) -> Any:
-    """The type of a number that follows from numbers of these types; None if they have different directions."""
+    """Return the type of a result of numbers of these types; None if their directions differ."""
     duals = {one for one in found if isinstance(one, Dual)}
     return types.float64 if not duals else duals.pop() if len(duals) == 1 else None
 
@@ -189,7 +189,7 @@ _RESULT |= {
 
 
 def _matrix_product(builder: Any, a: list[Any], b: list[Any]) -> list[Any]:
-    """Products of components: of vectors their dot product; tensors have rows xx, xy, yx, yy, zz."""
+    """Return products of components: for vectors their dot product; tensors have rows xx, xy, yx, yy, zz."""
 
     def dot(i: int, j: int, k: int, m: int) -> list[Any]:
         return _sum(builder, _product(builder, a[i], b[j]), _product(builder, a[k], b[m]))
@@ -306,7 +306,7 @@ for _symbol, _sign in (
 
 @intrinsic
 def value(typingctx: Any, x: Any) -> Any:
-    """The value of a number or a dual number."""
+    """Return the value of a number or a dual number."""
     if isinstance(x, Dual):
         return types.float64(x), lambda context, builder, sig, args: builder.extract_value(args[0], 0)
     return x(x), lambda context, builder, sig, args: args[0]
@@ -314,7 +314,7 @@ def value(typingctx: Any, x: Any) -> Any:
 
 @intrinsic(prefer_literal=True)
 def derivatives(typingctx: Any, x: Any, directions: Any) -> Any:
-    """The derivatives of x by the first `directions`, a constant: a tuple; zeros for a number."""
+    """Return the derivatives of x by the first `directions`, a constant: a tuple; zeros for a number."""
     count = directions.literal_value
     found = types.UniTuple(types.float64, count)
 
@@ -332,7 +332,7 @@ def derivatives(typingctx: Any, x: Any, directions: Any) -> Any:
 
 @intrinsic(prefer_literal=True)
 def seed(typingctx: Any, x: Any, direction: Any, directions: Any) -> Any:
-    """The dual number of value x that is one of the `directions` itself; both are constants."""
+    """Return the dual number of value x that is one of the `directions` itself; both are constants."""
     found, number = _TYPES[directions.literal_value], direction.literal_value
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -345,7 +345,7 @@ def seed(typingctx: Any, x: Any, direction: Any, directions: Any) -> Any:
 
 @intrinsic(prefer_literal=True)
 def constant(typingctx: Any, x: Any, directions: Any) -> Any:
-    """The dual number of value x that changes in none of the `directions`, a constant."""
+    """Return the dual number of value x that changes in none of the `directions`, a constant."""
     found = _TYPES[directions.literal_value]
     return found(x, directions), lambda context, builder, sig, args: _finished(
         builder, found, _components(context, builder, x, args[0])
@@ -354,7 +354,7 @@ def constant(typingctx: Any, x: Any, directions: Any) -> Any:
 
 @intrinsic
 def follow(typingctx: Any, found: Any, slope: Any, x: Any) -> Any:
-    """The dual number of value `found` that changes by `slope` times what x does."""
+    """Return the dual number of value `found` that changes by `slope` times the change of x."""
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         components = _components(context, builder, x, args[2])
@@ -365,7 +365,7 @@ def follow(typingctx: Any, found: Any, slope: Any, x: Any) -> Any:
 
 @intrinsic
 def follow_two(typingctx: Any, found: Any, slope: Any, x: Any, other: Any, y: Any) -> Any:
-    """The dual number of value `found` that changes by `slope` times what x does and `other` times what y does."""
+    """Return the dual number of value `found` that changes by `slope` times x's plus `other` times y's change."""
     result = _scalar((x, y))
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:

@@ -1,7 +1,7 @@
 """Kernels made of a template and an author's formulas. Imports numba when it is imported.
 
 A template is a module of kernels in which some global names are `Slot`s. `made` copies a kernel and all that it calls,
-with formulas in place of the slots: the code objects stay the same, so a debugger, a traceback and a measurement of
+with formulas replacing the slots: the code objects stay the same, so a debugger, a traceback and a measurement of
 coverage show the template's and the author's own lines. Machine code is cached on disk under a name that contains a
 hash of the formulas and of all functions that they call.
 """
@@ -45,45 +45,45 @@ _FUNCTIONS = {
 
 
 class FormulaError(WrongAnswer):
-    """A formula has something that kernels do not know: file and line, what it is, and what to do."""
+    """A formula uses something unknown to kernels: file and line, what it is, and what to do."""
 
 
 class Slot:
-    """A name in a template that stands for what an author gives."""
+    """A name in a template that an author's value replaces."""
 
     def __init__(self, name: str) -> None:
         self.name = name
 
     def __call__(self, *arguments: Any) -> Any:
-        """Nothing is known yet of what will be here."""
+        """Raise TypeError: the value of the slot is still unknown."""
         raise TypeError(f"{self.name}: a template is called")
 
 
 def slots(*names: str) -> tuple[Any, ...]:
-    """Slots of these names, which kernels use as what will be there: functions, numbers, tuples."""
+    """Return slots of these names, which kernels use like their later values: functions, numbers, tuples."""
     return tuple(map(Slot, names))
 
 
 def made(template: Any, name: str, given: Mapping[Slot, Any], plain: bool | None = None) -> Any:
-    """The kernel of a template with `given` in its slots, compiled under `name`, or `plain` Python."""
+    """Return the kernel of a template with `given` in its slots, compiled under `name`, or `plain` Python."""
     if in_python() if plain is None else plain:
         return copied(template, given)
     return _Copies(given, compiled=True).kernel(template, name)
 
 
 def copied(template: Any, given: Mapping[Slot, Any]) -> Any:
-    """The function of a template with `given` in its slots, in plain Python."""
+    """Return the function of a template with `given` in its slots, in plain Python."""
     return _Copies(given, compiled=False).of(template)
 
 
 def plain(function: Callable[..., Any]) -> Any:
-    """A formula as plain Python, for floats and for the dual numbers of `contactlab.api.mathematics`."""
+    """Return a formula as plain Python, for floats and for the dual numbers of `contactlab.api.mathematics`."""
     return _Copies({}, compiled=False).of(function)
 
 
 @cache
 def compiled_point(function: Callable[..., Any]) -> Any:
-    """A formula, or a function that one calls, for kernels; always the same object."""
+    """Return a formula, or a function that it calls, for kernels; always the same object."""
     return kernel.point(_Copies({}, compiled=True).copied(function))
 
 
@@ -95,13 +95,13 @@ class _Copies:
         self.known: dict[Any, Any] = {}
 
     def kernel(self, template: Any, name: str) -> Any:
-        """The compiled kernel of a template."""
+        """Return the compiled kernel of a template."""
         function = self.copied(template.py_func)
         function.__qualname__ = f"{name}.{template.py_func.__name__}.{_hash(function)}"
         return kernel.formula_kernel(FormulaKernel, function)
 
     def of(self, held: Any) -> Any:
-        """What stands for the value of a global name."""
+        """Return the replacement for the value of a global name."""
         if not isinstance(held, FunctionType | _KERNEL | _PART | Formula):
             return self._of(held)
         if held not in self.known:
@@ -150,7 +150,7 @@ class _Copies:
         return False
 
     def copied(self, function: Any) -> Any:
-        """A function of the same code with other globals; those of the core keep the arrays of NumPy."""
+        """Return a function of the same code with other globals; core functions keep the arrays of NumPy."""
         of_core = function.__module__.startswith("contactlab.")
         names: dict[str, Any] = {"__builtins__": builtins, "__name__": function.__module__}
         cells = tuple(CellType(self.of(cell.cell_contents)) for cell in function.__closure__ or ())
@@ -164,7 +164,7 @@ class _Copies:
 
 
 def _globals_of(function: Any) -> Iterator[tuple[str, Any]]:
-    """Global names that a function uses and that are no builtins, with their values."""
+    """Yield global names that a function uses and that are no builtins, with their values."""
     for name in sorted(_names(function.__code__)):
         if name in function.__globals__:
             yield name, function.__globals__[name]
@@ -179,7 +179,7 @@ def _names(code: CodeType) -> set[str]:
 
 
 def _hash(function: Any) -> str:
-    """A hash of the code of a function and of all that it calls, and of the constants that they use."""
+    """Return a hash of the code of a function and of all that it calls, and of the constants that they use."""
     digest, seen, waiting = hashlib.sha256(), set(), [function]
     while waiting:
         held = waiting.pop()
@@ -210,10 +210,10 @@ def _add_code(digest: Any, code: CodeType) -> None:
 
 
 class FormulaKernel(Kernel):
-    """A kernel of a template: what it cannot compile is told in terms of the formula."""
+    """A kernel of a template: compilation errors are reported in terms of the formula."""
 
     def compile(self, sig: Any) -> Any:
-        """Called at the first call with arguments of new types."""
+        """Compile at the first call with arguments of new types."""
         try:
             return super().compile(sig)
         except NumbaError as error:
@@ -230,7 +230,7 @@ _REFUSED = {
 
 
 def _refuse(function: Any) -> None:
-    """Raise FormulaError for what is no formula, whether kernels could do it or not."""
+    """Raise FormulaError for code that is no formula, whether kernels could compile it or not."""
     code = function.__code__
     instructions = list(dis.get_instructions(code))
     starred = any(instruction.opname == "LIST_TO_TUPLE" for instruction in instructions)  # (*a, b) begins as a list
@@ -258,7 +258,7 @@ def _refusal(file: str, line: int, got: str) -> str:
 
 
 def _told(error: Any) -> str:
-    """The line of a formula that cannot be compiled, and why, in two lines: of numba's text the first that says it."""
+    """Return the line of a formula that cannot be compiled, and numba's first reason, in two lines."""
     lines = [line.strip() for line in str(error).splitlines()]
     places = [match.groups() for line in lines for match in _PLACE.finditer(line)]
     own = [(first or second, int(one or other)) for first, one, second, other in places if _is_own(first or second)]
@@ -273,7 +273,7 @@ def _told(error: Any) -> str:
 
 
 def _is_own(file: str) -> bool:
-    """Whether a file is an author's."""
+    """Return whether a file is an author's."""
     return file.endswith(".py") and not Path(file).resolve().is_relative_to(_CORE)
 
 
@@ -320,4 +320,4 @@ _PYTHON: dict[Any, Any] = {
     compiled_mathematics.exp: mathematics.exp,
     kernel.power: mathematics.power,
 }
-"""What stands for the functions that only kernels know."""
+"""Replacements of the functions that only kernels know."""

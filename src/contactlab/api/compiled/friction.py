@@ -1,4 +1,4 @@
-"""The bound of friction of one condition, in kernels; of arrays it is `contactlab.api.FrictionBound.limits`."""
+"""The friction bound of one constraint, in kernels; for arrays see `contactlab.api.FrictionBound.limits`."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from contactlab.api.compiled.kernel import section
 
 @section
 def friction_limit(coefficient, adhesion, cap, measure, normal):
-    """Largest tangential force [N] under a normal one [N] >= 0 of a condition that stands for `measure` [mm]."""
+    """Return the largest tangential force [N] under a normal force [N] >= 0 of a constraint, `measure` [mm] long."""
     grip = adhesion * measure
     if cap < np.inf:
         grip = min(grip, cap * normal)

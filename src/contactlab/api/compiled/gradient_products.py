@@ -1,8 +1,8 @@
-"""Products with the rows of `FactoredGradients`, G u and G^T y, in O(conditions).
+"""Products with the rows of `FactoredGradients`, G u and G^T y, in O(constraints).
 
-G_i = normal . (own + [T^-T B])_i + spin d(angle), B in blocks of two by two. An angle is that of the averaged normal of
-a slave node; it turns by turn . (u_after - u_before), u the motions of the nodes on either side.
-`rows` are `FactoredGradients` throughout, of which the first k conditions are in use.
+G_i = normal . (own + [T^-T B])_i + spin d(angle), B in blocks of two by two. An angle belongs to the averaged normal of
+a slave node; it turns by turn . (u_after - u_before), u the motions of the nodes on both sides.
+`rows` are `FactoredGradients` throughout, of which the first k constraints are in use.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from contactlab.api.compiled.kernel import table_kernel
 
 @table_kernel
 def conditions_moved(rows, count, nodal, turned, carried, out):
-    """Changes G u of the gaps (k,) by motions `nodal` (L, 2) of the nodes; `turned` (a,), `carried` (2, k): scratch."""
+    """Compute changes G u of the gaps (k,) by `nodal` motions (L, 2); scratch: `turned` (a,), `carried` (2, k)."""
     f, block, angles, lever, angle_start = rows.factors, rows.block, rows.angle, rows.lever, rows.angle_start
     start, node, own, normal, inverse, above, below = f.start, f.node, f.own, f.normal, f.inverse, f.above, f.below
     ends, turn, spin, own_angle = rows.ends, rows.turn, rows.spin, rows.own_angle
@@ -46,7 +46,7 @@ def conditions_moved(rows, count, nodal, turned, carried, out):
 
 @table_kernel
 def nodes_pushed(rows, y, nodal, moment, carried):
-    """Nodal forces G^T y into `nodal` (L, 2) by forces y (k,); `moment` (a,) and `carried` (2, k) are scratch."""
+    """Add nodal forces G^T y to `nodal` (L, 2) by forces y (k,); `moment` (a,) and `carried` (2, k) are scratch."""
     f, count = rows.factors, y.size
     block, angles, lever, angle_start = rows.block, rows.angle, rows.lever, rows.angle_start
     start, node, own, normal, inverse, above, below = f.start, f.node, f.own, f.normal, f.inverse, f.above, f.below

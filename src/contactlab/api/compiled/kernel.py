@@ -1,8 +1,8 @@
-"""The one decorator for compiled kernels, and the scalar functions that vectorise.
+"""The decorators for compiled kernels, and the scalar functions that vectorise.
 
-Kernels take contiguous arrays, write into the outputs that they are given and allocate nothing.
+Kernels take contiguous arrays, write into the given outputs and allocate nothing.
 
-`kernel`  for loops over blocks of cells or nodes. A division by zero gives inf or nan as in NumPy (a check would
+`kernel`  for loops over blocks of cells or nodes. A division by zero gives inf or NaN as in NumPy (a check would
           prevent vectorisation); multiply-add contraction is allowed, reassociation is not, so results do not
           depend on the block size; the interpreter lock is released; machine code is cached on disk. A kernel
           whose name begins with an underscore is called by other kernels only.
@@ -11,7 +11,7 @@ Kernels take contiguous arrays, write into the outputs that they are given and a
 `point`   for functions of a single point that kernels call: always inlined.
 `section` for parts of a long kernel: always inlined, too.
 
-What a kernel calls is compiled within it and never by itself: points, sections, and its own copy of other kernels.
+Code called by a kernel is compiled within it and never by itself: points, sections, and its own copy of other kernels.
 """
 
 from __future__ import annotations
@@ -31,24 +31,24 @@ __all__ = ["exp", "kernel", "log", "point", "power", "section", "summation", "ta
 
 
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile a block kernel with the options that the text of this module lists."""
+    """Compile a block kernel with the options that this module's docstring lists."""
     return _compiled(function, COUNTED)
 
 
 def table_kernel(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile a block kernel that counts no references to arrays. numba refuses one that creates an array."""
+    """Compile a block kernel that counts no references to arrays. numba refuses a kernel that creates an array."""
     return _compiled(function, {**OPTIONS, "_nrt": False})
 
 
 def formula_kernel(kind: type[Kernel], function: Callable[..., Any]) -> Callable[..., Any]:
-    """A kernel of a class derived from `Kernel`."""
+    """Return a kernel of a class derived from `Kernel`."""
     return _compiled(function, COUNTED, kind)
 
 
 def summation(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a kernel whose sums may be taken in any order, as wide as the processor can add.
 
-    Its last digits depend on the processor: for numbers that are only shown, never for those a run goes on with.
+    Its last digits depend on the processor: only for numbers that are shown, never for numbers of a run.
     """
     return _compiled(function, {**COUNTED, "fastmath": {"contract", "reassoc"}})
 
@@ -100,7 +100,7 @@ _SQRT_HALF = 0.7071067811865476
 
 @point
 def log(x: float) -> float:
-    """Natural logarithm of positive normal x, nan otherwise. Vectorises, unlike that of the C library.
+    """Return the natural logarithm of positive normal x, NaN otherwise. Vectorises, unlike the C library's.
 
     x = 2^e m with m in [sqrt(1/2), sqrt(2)); log m = 2 artanh s, s = (m - 1)/(m + 1), whose series
     to s^21 is below half a unit in the last place because |s| < 0.1716.
@@ -131,7 +131,7 @@ def log(x: float) -> float:
 
 @point
 def exp(x: float) -> float:
-    """Exponential for |x| < 700. Vectorises, unlike that of the C library."""
+    """Return the exponential for |x| < 700. Vectorises, unlike the C library's."""
     k = np.floor(x * _LN2_INVERSE + 0.5)
     r = (x - k * _LN2_HIGH) - k * _LN2_LOW
     p = 1.0 / 6227020800.0
@@ -153,5 +153,5 @@ def exp(x: float) -> float:
 
 @point
 def power(x: float, exponent: float) -> float:
-    """x**exponent for positive x."""
+    """Return x**exponent for positive x."""
     return exp(exponent * log(x))

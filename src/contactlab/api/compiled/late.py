@@ -1,4 +1,4 @@
-"""Late imports: a module is imported when it is first needed; later calls cost next to nothing."""
+"""Late imports: a module is imported on demand; later calls cost next to nothing."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["late"]
 
 @cache
 def late(module: str) -> Any:
-    """The module of that name, imported at the first call and kept: cheap enough to be called in every step.
+    """Return the module of this name, imported at the first call and kept: cheap enough for every step.
 
     An import statement inside a function costs as much as passing ten arrays to a kernel.
     """

@@ -10,14 +10,14 @@ from typing import IO, Any
 
 try:
     import fcntl
-except ImportError:  # Windows: both compile, the later one overwrites what the other stored
+except ImportError:  # Windows: both compile, the later result overwrites the other
     fcntl = None  # type: ignore[assignment]
 
 _held = threading.local()
 
 
 def lock_file(dispatcher: Any) -> Path | None:
-    """The file to lock for a kernel, beside its machine code; None for a kernel that is not cached on disk."""
+    """Return the file to lock for a kernel, next to its machine code; None for a kernel that is not cached on disk."""
     folder, function = dispatcher.stats.cache_path, dispatcher.py_func
     stem = f"{function.__module__.rpartition('.')[2]}.{function.__qualname__}"
     return Path(folder) / f"{stem}.lock" if folder else None
@@ -25,9 +25,9 @@ def lock_file(dispatcher: Any) -> Path | None:
 
 @contextmanager
 def kernel_locked(dispatcher: Any, wait: bool = True) -> Iterator[bool]:
-    """Hold the lock of a kernel. Yields whether it could be taken; with `wait`, it waits until it can.
+    """Hold the lock of a kernel. Yields whether it was acquired; with `wait`, it waits until it is.
 
-    Nothing is locked inside the lock of another kernel, or where files cannot be locked: kernels that a kernel calls
+    Nothing is locked inside the lock of another kernel, or if files cannot be locked: kernels that a kernel calls
     are compiled under numba's own lock, and to wait there for another thread could be a deadlock.
     """
     path = None if getattr(_held, "any", False) or fcntl is None else lock_file(dispatcher)
@@ -45,11 +45,11 @@ def kernel_locked(dispatcher: Any, wait: bool = True) -> Iterator[bool]:
         try:
             yield True
         finally:
-            _held.any = False  # closing the file gives the lock back
+            _held.any = False  # closing the file releases the lock
 
 
 def free_place(folder: Path, places: int) -> IO[str] | None:
-    """Lock one of `places` files in a folder that all processes of this machine share; None where all are taken.
+    """Lock one of `places` files in a folder shared by all processes of this machine; None if all are taken.
 
     The lock is released when the returned file is closed.
     """

@@ -29,7 +29,7 @@ def _is_number(x: Any) -> bool:
 
 
 def _function(name: str, found: Callable[[float], float], slope: Callable[[float, float], float]) -> None:
-    """A function of one number; `slope` is its derivative, from the number and the function's value there."""
+    """Define a function of one number; `slope` is its derivative, from the number and the function's value there."""
 
     def of_number(x: Any) -> Any:
         return found(x)
@@ -67,7 +67,7 @@ for _name, (_found, _slope) in _ONE.items():
 
 
 def _two(function: Any, of_numbers: Any, of_duals: Any) -> None:
-    """A function of two numbers, of which one or both may be dual."""
+    """Define a function of two numbers, of which one or both may be dual."""
 
     @overload(function, jit_options=_INLINED, strict=False)
     def typed(x: Any, y: Any) -> Any:
@@ -139,7 +139,7 @@ def _abs(x: Any) -> Any:
 
 
 def _only_duals(function: Any, of_duals: Any) -> None:
-    """The same for one of Python's own functions, which knows numbers."""
+    """Define dual numbers for one of Python's own functions, which knows numbers."""
 
     @overload(function, jit_options=_INLINED, strict=False)
     def typed(x: Any, y: Any) -> Any:
@@ -152,7 +152,7 @@ _only_duals(max, _larger)
 _only_duals(operator.pow, _power)
 
 
-# --- methods of the named tuples that formulas are given -------------------------------------------------------------
+# --- methods of the named tuples in formulas -------------------------------------------------------------
 
 _METHODS: dict[tuple[type, str], type] = {}
 
@@ -169,7 +169,7 @@ def _call(name: str, compiled: Any) -> type:
     function: Any = types.Dispatcher(compiled)
 
     class Call(AbstractTemplate):
-        key, kept = name, compiled  # a type keeps no hold of what it is the type of
+        key, kept = name, compiled  # a type does not keep the type of its argument
 
         def generic(self, args: Any, kws: Any) -> Any:
             found = function.get_call_type(self.context, (self.this, *args), kws)

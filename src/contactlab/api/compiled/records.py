@@ -19,14 +19,14 @@ _I64 = ir.IntType(64)
 
 
 def _place(context: Any, builder: Any, array_type: Any, array: Any, row: int, number: Any) -> Any:
-    """The address of array[row, number], or array[row] of an array of one dimension."""
+    """Return the address of array[row, number], or array[row] of an array of one dimension."""
     indices = [_I64(row), number][: array_type.ndim]
     return get_item_pointer(context, builder, array_type, make_array(array_type)(context, builder, array), indices)
 
 
 @intrinsic
 def column(typingctx: Any, array: Any, number: Any, kind: Any) -> Any:
-    """Column `number` of an array (rows, P), or all of one (rows,), as a named tuple of class `kind`."""
+    """Return column `number` of an array (rows, P), or all of an array (rows,), as a named tuple of class `kind`."""
     fields = kind.instance_class._fields
     found = types.BaseTuple.from_types((types.float64,) * len(fields), kind.instance_class)
 

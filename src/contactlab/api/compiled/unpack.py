@@ -1,6 +1,6 @@
 """The arrays of a `BoundArrays` inside a kernel. Imports numba when it is imported.
 
-A table is an address there, and a field of it an array that is read from the table where it is named. As a tuple of all
+A table is an address there, and a field of it an array that is read from the table when it is named. As a tuple of all
 its arrays a table of twenty would be a value of 150 words, which every statement that names it copies and takes apart.
 """
 
@@ -20,7 +20,7 @@ __all__ = ["unpack"]
 
 STALE = "bound arrays: their BoundArrays object is gone; keep it as long as its address is used"
 HEAD = 5
-"""Words of an array before its shape: owner, parent, size, bytes per entry, address."""
+"""Number of words of an array before its shape: owner, parent, size, bytes per entry, address."""
 WORD = ir.IntType(64)
 
 
@@ -33,7 +33,7 @@ class Table(types.Type):
 
     @property
     def key(self) -> type:
-        """Tables of one class are of one type, which is all that numba has to compare."""
+        """Key of the type: tables of one class are of one type, which is all that numba has to compare."""
         return self.table
 
 
@@ -45,7 +45,7 @@ class _TableModel(models.PrimitiveModel):
 
 @unbox(Table)
 def _argument(kind: Any, given: Any, c: Any) -> Any:
-    """The table of a `KernelArgument`, which keeps its arrays while the kernel runs."""
+    """Return the table of a `KernelArgument`, which keeps its arrays while the kernel runs."""
     bound = c.pyapi.object_getattr_string(given, "packed")
     number = c.pyapi.object_getattr_string(bound, "address")
     address = c.pyapi.long_as_longlong(number)
@@ -76,9 +76,9 @@ def _field(context: Any, builder: Any, table: Any, value: Any, name: str) -> Any
 
 @intrinsic(prefer_literal=True)
 def unpack(typingctx: Any, address: Any, layout: Any) -> Any:
-    """The arrays bound at `address`, as a tuple; with names where `layout`, a constant, is a table.
+    """Return the arrays bound at `address`, as a tuple; with names if `layout`, a constant, is a table.
 
-    `layout` is the one that the arrays were bound with. Raises ValueError where their `BoundArrays` object is gone.
+    `layout` must be the layout at binding. Raises ValueError if their `BoundArrays` object is gone.
     """
     found = _type_of(layout)
     if found is None:
@@ -126,7 +126,7 @@ def _array(word: str) -> Any:
 
 
 def _load(context: Any, builder: Any, word: str, place: Any) -> Any:
-    """The array at a place of a table. It has no owner: whoever bound it keeps it, so references are not counted."""
+    """Return the array at a place of a table. It has no owner: its binder keeps it, so references are not counted."""
 
     def read(number: int) -> Any:
         loaded = builder.load(builder.gep(place, [WORD(number)]))

@@ -1,7 +1,7 @@
-"""The colours of all pictures: of algorithms, of the states of a slave node, of fields.
+"""The colours of all pictures: for algorithms, states of slave nodes, and fields.
 
 An algorithm has one colour, the same in every report, plot and recording: it follows from the name alone. The first
-six colours are those of Okabe and Ito ("Color universal design", 2008) that stand out on white and on black; the others
+six colours are from Okabe and Ito ("Color universal design", 2008) and stand out on white and on black; the others
 were chosen as far from these and from each other as possible, also for readers without red or green cones. Markers
 distinguish lines in grey, and names whose colours happen to be equal.
 """
@@ -16,19 +16,19 @@ from typing import Final
 
 @dataclass(frozen=True)
 class Style:
-    """How an algorithm is drawn: `colour` as #rrggbb and a matplotlib `marker`."""
+    """Drawing style of an algorithm: `colour` as #rrggbb and a matplotlib `marker`."""
 
     colour: str
     marker: str
 
     @property
     def rgb(self) -> tuple[int, int, int]:
-        """The colour as red, green and blue, 0 to 255 each."""
+        """Return the colour as red, green and blue, 0 to 255 each."""
         return rgb(self.colour)
 
 
 def rgb(colour: str) -> tuple[int, int, int]:
-    """Red, green and blue, 0 to 255, of "#rrggbb"."""
+    """Return red, green and blue, 0 to 255, of "#rrggbb"."""
     return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
 
 
@@ -40,7 +40,7 @@ STYLES: Final = (
     Style("#E69F00", "v"),  # orange
     Style("#56B4E9", "P"),  # sky blue
 )
-"""Styles of a few things beside each other."""
+"""Styles of a few things next to each other."""
 
 PALETTE: Final = (
     *(style.colour for style in STYLES), "#873741", "#6C407F", "#5CB572", "#B2548D", "#804300", "#D98941", "#BF5546",
@@ -54,16 +54,16 @@ REFERENCE: Final = "#8A8F98"
 """Grey of reference solutions."""
 
 STATES: Final = ("#9AA0A6", "#56B4E9", "#D55E00")
-"""Of a slave node that is open, sticks, slips (by `contactlab.api.frame.STATES`)."""
+"""Colours of slave nodes that are open, stick, slip (by `contactlab.api.frame.STATES`)."""
 
 CLOSED: Final = "#F4F1EA"
-"""Of a closed slave node without friction: it neither sticks nor slips."""
+"""Colour of a closed slave node without friction: it neither sticks nor slips."""
 
 FIELD: Final = (
     "#00224e", "#002e6a", "#1a386f", "#32436d", "#434e6c", "#535a6d", "#61656f", "#6f7073", "#7d7c78",
     "#8b8778", "#9a9376", "#aaa073", "#bbad6d", "#ccba64", "#ddc858", "#efd748", "#fee838",
 )  # fmt: skip
-"""From the lowest value of a field to the highest, evenly spaced: "cividis" by Nunez, Anderton and Renslow (2018),
+"""Colours from the lowest value of a field to the highest: "cividis" by Nunez, Anderton and Renslow (2018),
 which reads the same for all readers and in grey."""
 
 _SALT: Final = (1352049).to_bytes(
@@ -72,15 +72,15 @@ _SALT: Final = (1352049).to_bytes(
 
 
 def style_of(name: str) -> Style:
-    """The style of an algorithm."""
+    """Return the style of an algorithm."""
     number = blake2b(name.encode(), digest_size=2, salt=_SALT).digest()[0] % len(PALETTE)
     return Style(PALETTE[number], MARKERS[number % len(MARKERS)])
 
 
 def styles(names: Iterable[str]) -> dict[str, Style]:
-    """A style for each of the names that appear together, in their order. A name always has its own colour.
+    """Return a style for each of the names that appear together, in their order. A name always has its own colour.
 
-    Alphabetically later names get the next marker that is free, or else the next that is free with their colour.
+    Alphabetically later names get the next free marker, or else the next marker free with their colour.
     """
     names = list(dict.fromkeys(names))
     chosen: dict[str, Style] = {}

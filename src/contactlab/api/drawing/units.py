@@ -21,7 +21,7 @@ class Units:
 
     @classmethod
     def of_label(cls, label: str | None) -> Units:
-        """From "mm N s t" (length, force, time, mass); blank names when the label has another form."""
+        """Return names from "mm N s t" (length, force, time, mass); blank names for labels of another form."""
         words = (label or "").split()
         return cls(*words[:3]) if len(words) >= 3 else cls("", "", "")
 
@@ -42,5 +42,5 @@ class Units:
         return f"{energy}/{self.length}" if self.force else ""
 
     def __getitem__(self, kind: str) -> str:
-        """The name by kind: "length", "pressure", "line_force" ..., or the kind itself."""
+        """Return the name by kind: "length", "pressure", "line_force" ..., or the kind itself."""
         return str(getattr(self, kind, kind))

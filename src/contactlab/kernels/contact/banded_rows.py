@@ -1,7 +1,7 @@
 """Columns of D and M, and the rows of T^-T D^T and T^-T M^T, each over its own stretch of the chain.
 
-Row k holds the weights with which surface nodes enter condition k. Columns of T^-1 decay by a constant factor per node
-(0.17 for P0, 0.27 for P1), so every row is cut where its weights fall below `CUT`.
+Row k holds the weights of surface nodes in constraint k. Columns of T^-1 decay by a constant factor per node
+(0.17 for P0, 0.27 for P1), so every row is cut as soon as its weights fall below `CUT`.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ CUT = 1e-14  # a weight below it moves a gap by less than the round-off of the p
 
 @kernel
 def fill_columns(count, multiplier, nodes, values, owner, out):
-    """Columns of D or M, of which `count` contributions (p, b, w) are given, for the kept multipliers.
+    """Fill columns of D or M for the kept multipliers from `count` contributions (p, b, w).
 
     Returns 0, or the width that out.weight lacks.
     """
@@ -71,7 +71,7 @@ def _sum(count, width, rows, multiplier, nodes, values, owner, out):
 
 @kernel
 def _combine(k, other, factor, scale, rows, scratch):
-    """Row k becomes scale * (row k - factor * row other); returns 0 or the width it lacks."""
+    """Set row k to scale * (row k - factor * row other). Return 0 or the width it lacks."""
     start, end, weight = rows.start, rows.end, rows.weight
     low, high = start[other], end[other]
     cut = CUT / abs(factor * scale) if factor != 0.0 else 0.0
@@ -124,7 +124,7 @@ def solve_rows(c, rows, scratch):
 
 @kernel
 def solved(bound, columns, rows, scratch):
-    """Rows of T^-T A^T from columns of A; returns 0 or the width that rows.weight lacks.
+    """Compute rows of T^-T A^T from columns of A. Return 0 or the width that rows.weight lacks.
 
     `bound` is the address of a `CouplingTable`.
     """
@@ -142,7 +142,7 @@ def solved(bound, columns, rows, scratch):
 
 @kernel
 def inverse_transposed(bound, rows, scratch):
-    """Rows of T^-T; returns 0 or the width that rows.weight lacks. `bound` is the address of a `CouplingTable`."""
+    """Compute rows of T^-T. Return 0 or the width that rows.weight lacks. `bound`: address of a `CouplingTable`."""
     c = unpack(bound, CouplingTable)
     for i in range(c.kept[0]):
         k = c.order[i]
@@ -152,7 +152,7 @@ def inverse_transposed(bound, rows, scratch):
 
 @kernel
 def own_nodes(bound, nodes, rows):
-    """Rows of conditions that weigh their own slave node alone, k modulo the number of nodes.
+    """Write rows of constraints with weight on their own slave node alone, k modulo the number of nodes.
 
     `bound` is the address of a `CouplingTable`.
     """
@@ -165,7 +165,7 @@ def own_nodes(bound, nodes, rows):
 
 @kernel
 def entries(chosen, rows, cut, row, column, value):
-    """Entries (row, column, value) of the chosen rows that are above `cut`; returns their number."""
+    """Write entries (row, column, value) above `cut` of the chosen rows. Return their number."""
     at = 0
     for i in range(chosen.size):
         k = chosen[i]

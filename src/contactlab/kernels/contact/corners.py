@@ -1,4 +1,4 @@
-"""Corners of the master on segments of the slave, and rows that are taken at them (`contactlab.contact.corners`)."""
+"""Corners of the master on segments of the slave, and rows taken at them (`contactlab.contact.corners`)."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import numpy as np
 
 from contactlab.api.compiled.kernel import kernel, point
 
-BESIDE = 0.05  # of a segment: beyond it at inner ends, as where segments turn a corner may be above none
-INSIDE = 0.02  # of a segment: within ends of the slave, as both sides may end at one place
+BESIDE = 0.05  # of a segment: allowed beyond inner ends, as at a turn of segments a corner may be above none
+INSIDE = 0.02  # of a segment: margin within ends of the slave, as both sides may end together
 AGAINST = -0.2  # cosine between the direction of a corner and the segment's normal
 
 
 @point
 def edge(at, segments, s):
-    """Vector (x, y) along segment s and its length."""
+    """Return the vector (x, y) along segment s and its length."""
     a, b = segments[s, 0], segments[s, 1]
     x, y = at[b, 0] - at[a, 0], at[b, 1] - at[a, 1]
     return x, y, np.sqrt(x * x + y * y)
@@ -21,7 +21,7 @@ def edge(at, segments, s):
 
 @kernel
 def touches(corners, start, above, slave, master, reach, segment, out):
-    """The nearest segment that each corner is above or in, -1 for none, and what belongs to it.
+    """Find the nearest segment that each corner is above or in, -1 for none, and its data.
 
     corners  (c,) nodes of the master; segments above[start[c]:start[c + 1]] of the slave may be near corner c
     slave, master  (positions (m, 2), segments, node_segments)
@@ -64,7 +64,7 @@ def touches(corners, start, above, slave, master, reach, segment, out):
 
 @point
 def add(node, weight, tangent, count, n, values):
-    """Add normal and tangential weights of node n to those of `count` nodes; returns the number of nodes."""
+    """Add normal and tangential weights of node n to the weights of `count` nodes. Return the number of nodes."""
     z = 0
     while z < count and node[z] != n:
         z += 1
@@ -80,9 +80,9 @@ def add(node, weight, tangent, count, n, values):
 
 @kernel
 def take_row(start, node, weight, tangent, rows, own, other, shares, nodes, change):
-    """Make row `own` of `rows` rows the sum of its share and that of row `other`; nodes (3,) get `change` (3, 2) more.
+    """Set row `own` of `rows` rows to its share plus the share of row `other`; nodes (3,) also get `change` (3, 2).
 
-    Returns how many entries the row has gained, or -1 without room for them. Without friction tangent is (0, 2).
+    Returns the number of entries gained by the row, or -1 without room. Without friction tangent is (0, 2).
     """
     rubs = tangent.shape[0] > 0
     most = start[own + 1] - start[own] + start[other + 1] - start[other] + nodes.size

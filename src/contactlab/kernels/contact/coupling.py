@@ -1,8 +1,8 @@
 """From segment contributions to the coupling T of the multipliers: merged, dropped, factorised and solved.
 
-T is tridiagonal along the slave chain. On partial cover a multiplier that keeps little of its length is merged
-into its neighbour, one that has none and keeps less than 1e-6 is dropped (docs/theory/rows.md); merging adds rows and
-columns, so T stays square and tridiagonal. All kernels work on a `CouplingTable`.
+T is tridiagonal along the slave chain. On partial overlap a multiplier that keeps little of its length is merged
+into its neighbour, a multiplier with less than 1e-6 and without neighbour is dropped (docs/theory/rows.md); merging
+adds rows and columns, so T stays square and tridiagonal. All kernels work on a `CouplingTable`.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ DROP_BELOW = 1e-6
 
 @section
 def accumulate(count, multiplier, T, c):
-    """Sum the contributions' T into the three diagonals and the covered length of each multiplier."""
+    """Sum the contributions' T into the three diagonals and the overlap length of each multiplier."""
     diagonal, lower, upper, cover, following = c.diagonal, c.lower, c.upper, c.cover, c.following
     for k in range(cover.size):
         diagonal[k], lower[k], upper[k], cover[k] = 0.0, 0.0, 0.0, 0.0
@@ -52,7 +52,7 @@ def merge(c):
     """Drop and merge multipliers; link the rest by `next` and `previous`."""
     owner, cover, full, lower, upper = c.owner, c.cover, c.full, c.lower, c.upper
     for k in range(owner.size):
-        # a hat may reach into the cover where the multiplier of its node does not: both count as touched
+        # a hat may extend into the overlap although the multiplier of its node does not: both count as touched
         owner[k] = k if cover[k] > 0.0 or c.diagonal[k] + lower[k] + upper[k] > 0.0 else -1
     for k in range(owner.size):
         n, p = c.following[k], c.preceding[k]
@@ -92,7 +92,7 @@ def _tie(k, c):
 
 @section
 def _merge_one(k, c):
-    """Give row and column k to the neighbour with more cover, if there is one to take them."""
+    """Add row and column k to the neighbour with more overlap, if there is one."""
     n, p = c.next[k], c.previous[k]
     target = n
     if n < 0 or (p >= 0 and (c.fixed[n] or c.cover[p] > c.cover[n]) and not c.fixed[p]):
@@ -116,9 +116,9 @@ def _merge_one(k, c):
 
 @section
 def factorise(c):
-    """Pivots of T eliminated from the start of each chain, and `order`.
+    """Compute pivots of T eliminated from the start of each chain, and `order`.
 
-    `kept[0]` becomes the number of kept multipliers, or -1 where a closed chain is covered all around (T is then
+    `kept[0]` becomes the number of kept multipliers, or -1 if a closed chain overlaps all around (T is then
     periodic).
     """
     count = 0
@@ -142,7 +142,7 @@ def factorise(c):
 
 @kernel
 def couple(count, multiplier, T, c):
-    """Accumulate the first `count` contributions, merge and factorise; returns `kept[0]`, see `factorise`."""
+    """Accumulate the first `count` contributions, merge and factorise. Return `kept[0]`, see `factorise`."""
     accumulate(count, multiplier, T, c)
     merge(c)
     factorise(c)
@@ -173,7 +173,7 @@ def solve_pivots(c, values):
 
 @kernel
 def unmerged(owner, D, T, count):
-    """Whether every multiplier is kept as it is or dropped, and D is T: slave weights are then the identity."""
+    """Return whether every multiplier is kept alone or dropped, and D is T: slave weights are then the identity."""
     for k in range(owner.size):
         if owner[k] >= 0 and owner[k] != k:
             return False

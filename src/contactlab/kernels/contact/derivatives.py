@@ -1,6 +1,6 @@
-"""Derivatives of segment contributions by differences, and what they do to gaps and forces.
+"""Derivatives of segment contributions by differences, and their effect on gaps and forces.
 
-Nodes that no contribution depends on together are moved at once (colours), so that a few evaluations of the
+Nodes that no contribution depends on together are moved together (colours), so that a few evaluations of the
 algorithm give the derivatives of all contributions.
 """
 
@@ -11,17 +11,17 @@ from typing import NamedTuple
 from contactlab.api.compiled.bound_arrays import Ints1
 from contactlab.api.compiled.kernel import kernel, section
 
-JUMP = 2.0  # a change that is larger than that to the other side by this factor is a kink or a jump
+JUMP = 2.0  # a change larger than the change to the other side by this factor is a kink or a jump
 
 
 class Move(NamedTuple):
     """The nodes of one colour moved along one direction.
 
-    following, preceding  (m,) neighbours on the surface that is moved, -1 at ends
+    following, preceding  (m,) neighbours on the moved surface, -1 at ends
     colours    (m,) of its nodes
-    ring       nodes on either side of a contribution's own that it may depend on, too
-    shift      number of the surface's first node among those of both
-    colour, direction, scale  what is moved, and one over the length between both evaluations [1/mm]
+    ring       further nodes on both sides of a contribution that it may depend on
+    shift      number of the surface's first node among the nodes of both
+    colour, direction, scale  the motion, and one over the length between both evaluations [1/mm]
     """
 
     following: Ints1
@@ -36,7 +36,7 @@ class Move(NamedTuple):
 
 @kernel
 def _ends(nodes, p, size):
-    """First and last of a contribution's nodes along the chain of `size` nodes, which may run through its start."""
+    """Return first and last of a contribution's nodes along the chain of `size` nodes, which may pass its start."""
     low, high = nodes[p, 0], nodes[p, 0]
     for i in range(1, nodes.shape[1]):
         low, high = min(low, nodes[p, i]), max(high, nodes[p, i])
@@ -54,7 +54,7 @@ def _ends(nodes, p, size):
 
 @kernel
 def moved_node(nodes, p, move):
-    """The node of the moved colour that contribution p may depend on: its own and a ring on either side; -1: none."""
+    """Return the node of the moved colour that contribution p may depend on, its own or a ring on both sides; or -1."""
     v, beyond = _ends(nodes, p, move.colours.size)
     for _ in range(move.ring):
         if move.preceding[v] >= 0:
@@ -72,7 +72,7 @@ def moved_node(nodes, p, move):
 
 @kernel
 def _alike(p, first, q, second):
-    """Whether contribution p of one set and q of the other couple the same nodes and multipliers."""
+    """Return whether contribution p of one set and q of the other couple the same nodes and multipliers."""
     for side in range(3):
         one, other = first[:3][side], second[:3][side]
         for i in range(one.shape[1]):
@@ -83,7 +83,7 @@ def _alike(p, first, q, second):
 
 @kernel
 def _put(at, scale, p, pieces, moved, out):
-    """Entry `at` becomes scale * contribution p."""
+    """Set entry `at` to scale * contribution p."""
     slave, multiplier, master, D, M, T = pieces
     o_slave, o_multiplier, o_master, o_moved, dD, dM, dT = out
     for i in range(slave.shape[1]):
@@ -103,7 +103,7 @@ def _put(at, scale, p, pieces, moved, out):
 
 @kernel
 def _take_off(at, scale, q, pieces, out):
-    """Subtract scale * contribution q from entry `at`; False if nothing is left of it."""
+    """Subtract scale * contribution q from entry `at`; False if the result is zero."""
     D, M, T = pieces[3], pieces[4], pieces[5]
     dD, dM, dT = out[4], out[5], out[6]
     left = 0.0
@@ -124,8 +124,8 @@ def _take_off(at, scale, q, pieces, out):
 def differences(high_count, high, low_count, low, side, move, at, out):
     """Append scale * (high - low) for the contributions that depend on the moved nodes.
 
-    high, low = (slave, multiplier, master, D, M, T) of both evaluations, `side` 0 or 2: that of the moved nodes.
-    Contributions that only one has are entries of their own. Returns the next free entry.
+    high, low = (slave, multiplier, master, D, M, T) of both evaluations, `side` 0 or 2: side of the moved nodes.
+    Contributions of only one evaluation are entries of their own. Returns the next free entry.
     """
     high_nodes, low_nodes = (high[0], low[0]) if side == 0 else (high[2], low[2])
     head = 0
@@ -157,7 +157,7 @@ def differences(high_count, high, low_count, low, side, move, at, out):
 def normal_differences(high, middle, low, owners, move, at, out):
     """Append scale * (high - low) of the normals (k, 2); `owners` (k, b) are surface nodes of each multiplier.
 
-    Where a normal jumps, as between two segments, the side without the jump is taken.
+    If a normal jumps, as between two segments, the side without the jump is used.
     out = (normal_of, normal_moved, dnormal). Returns the next free entry.
     """
     normal_of, normal_moved, dnormal = out
@@ -208,9 +208,9 @@ def _emit(at, row, column, value, out):
 
 @kernel
 def force_derivatives(count, derivatives, owner, wanted, traction, nodes, force, coupling):
-    """Derivatives of D a and -M a, and of T a, at fixed tractions a (k, 2); only for wanted multipliers.
+    """Compute derivatives of D a and -M a, and of T a, at fixed tractions a (k, 2); only for wanted multipliers.
 
-    derivatives = (slave, multiplier, master, moved, dD, dM, dT), nodes = global ones of slave and master;
+    derivatives = (slave, multiplier, master, moved, dD, dM, dT), nodes = global nodes of slave and master;
     force and coupling = (row, column, value). Rows of `force` are degrees of freedom of the model, of `coupling`
     2 k + component; columns are degrees of freedom. Returns the number of entries of both.
     """
@@ -246,7 +246,7 @@ def force_derivatives(count, derivatives, owner, wanted, traction, nodes, force,
 
 @section
 def weighted_change(e, j, c, derivatives, owner, at, separation):
-    """What entry e changes of component c of the weighted gap D^T x - M^T y - T^T r of its multiplier j."""
+    """Return the change by entry e of component c of the weighted gap D^T x - M^T y - T^T r of its multiplier j."""
     slave, multiplier, master, _, dD, dM, dT = derivatives
     slave_at, master_at = at
     total = 0.0
@@ -262,7 +262,7 @@ def weighted_change(e, j, c, derivatives, owner, at, separation):
 
 @kernel
 def gap_derivatives(count, derivatives, owner, wanted, at, separation, nodes, weight):
-    """Derivatives of the weighted gaps D^T x - M^T y - T^T r at fixed positions and separations r (k, 2).
+    """Compute derivatives of the weighted gaps D^T x - M^T y - T^T r at fixed positions and separations r (k, 2).
 
     at = positions of slave and master, nodes = their global numbers; weight = (row, column, value) with rows
     2 k + component. Returns the number of entries.

@@ -1,8 +1,8 @@
 """Rows of consistent forces before their coupling is inverted: gaps differentiated by all that they depend on.
 
-What changes the weights of a piece is where its points of the master lie. Seen from a fixed place of the slave, one
+The weights of a piece change with the positions of its points on the master. Seen from a fixed point of the slave, one
 moves along its segment linearly between the ends of the piece: by beta_e m d(eta_e) for a multiplier, m the segment and
-beta_e the integral of psi times the hat of end e. Ends of pieces that follow each other cancel, and so do, where it is
+beta_e the integral of psi times the hat of end e. Ends of adjacent pieces cancel, and so do, if the overlap is
 closed, the lengths that a separation is integrated over (docs/theory/contact-energy.md).
 """
 
@@ -19,20 +19,20 @@ from contactlab.api.compiled.kernel import kernel, point, section, table_kernel
 from contactlab.api.compiled.unpack import unpack
 from contactlab.kernels.contact.tables import PairTable
 
-SHORT = 1e-7  # of a segment: what changes along shorter pieces is below the round-off of where they end
+SHORT = 1e-7  # of a segment: changes along shorter pieces are below the round-off of their ends
 
 
 class EndsTable(NamedTuple):
-    """What the ends of the pieces of a pair do, p pieces and k multipliers; all but `feet` and `number` is scratch.
+    """Overlap ends of a pair, p integration segments and k multipliers; all but `feet` and `number` is scratch.
 
-    feet     (p, 4) xi and eta where pieces begin, and where they end, see `ContactAlgorithm.feet`
-    number   (N,) numbers of global nodes among those that rows touch, -1 for none
+    feet     (p, 4) xi and eta at the start of pieces, and at their end, see `ContactAlgorithm.feet`
+    number   (N,) numbers of global nodes among the nodes of rows, -1 for none
     angle    (m,) numbers of the angles of slave nodes, -1 for none
-    place, seen  entries of nodes and of angles in the row that is being made
+    place, seen  entries of nodes and of angles in the present row
     first, last  (k,) pieces of each multiplier
-    local    (p, 6) numbers of the slave's and the master's two nodes, and of the angles of the former; -1 in pieces
-             that are too short for their ends to be told apart
-    rate     (p, 2, 2) [1/mm] d(eta) of both ends by motions of the slave against the master
+    local    (p, 6) numbers of the slave's and the master's two nodes, and of the angles of the slave's; -1 in pieces
+             that are too short to resolve their ends
+    rate     (p, 2, 2) [1/mm] d(eta) of both ends by motions of the slave relative to the master
     lever    (p, 2, 2) [-] d(eta) by angles of the slave's nodes
     along    (p, 2) [mm] the master segment
     """
@@ -52,7 +52,7 @@ class EndsTable(NamedTuple):
 
 @section
 def _local(node, number, rows):
-    """Number of a global node among those that rows touch."""
+    """Return the number of a global node among the nodes of rows."""
     if number[node] < 0:
         number[node] = rows.used[0]
         rows.nodes[rows.used[0]] = node
@@ -62,7 +62,7 @@ def _local(node, number, rows):
 
 @section
 def _angle(v, at, ends, rows):
-    """Number of the angle of the averaged normal of slave node v."""
+    """Return the number of the angle of the averaged normal of slave node v."""
     if ends.angle[v] < 0:
         before, after = at.node_segments[v, 0], at.node_segments[v, 1]
         b = at.segments[before, 0] if before >= 0 else v
@@ -79,7 +79,7 @@ def _angle(v, at, ends, rows):
 
 @section
 def _measure_ends(p, at, pieces, ends):
-    """Rates of both ends of piece p, which are joined along the normals of its slave nodes.
+    """Compute rates of both ends of piece p, which are joined along the normals of its slave nodes.
 
     At an end of a slave segment eta moves; at a node of the master xi does, which a fixed place of the slave sees as
     eta that moves by the slope of the piece.
@@ -126,7 +126,7 @@ def _collect(pair, count, ends, rows):
 
 @section
 def _add_block(n, block, ends, at, begin, rows):
-    """Add a block (xx, xy, yx, yy) of node n to the row that began at `begin`; returns the next free entry."""
+    """Add a block (xx, xy, yx, yy) of node n to the row that began at `begin`. Return the next free entry."""
     z = ends.place[n]
     if z >= begin:
         rows.block[z, 0, 0] += block[0]
@@ -141,7 +141,7 @@ def _add_block(n, block, ends, at, begin, rows):
 
 @section
 def _add_lever(a, x, y, ends, at, begin, rows):
-    """The same for an angle."""
+    """Add the entry of an angle. Return the next free entry."""
     z = ends.seen[a]
     if z >= begin:
         rows.lever[z, 0] += x
@@ -159,13 +159,13 @@ def _sum(one, other):
 
 @point
 def _less(block, x, y, u, v):
-    """A block less the product of the columns (x, y) and (u, v)."""
+    """Return a block less the product of the columns (x, y) and (u, v)."""
     return block[0] - x * u, block[1] - x * v, block[2] - y * u, block[3] - y * v
 
 
 @section
 def _own_sums(p, k, pieces, owner):
-    """Sums over the multipliers of piece p that became k: D and M by node, T, and T by the second hat."""
+    """Return sums over the multipliers of piece p merged into k: D and M by node, T, and T by the second hat."""
     first, second = 0.0, 0.0
     if owner[pieces.multiplier[p, 0]] == k:
         first = 1.0
@@ -182,7 +182,7 @@ def _own_sums(p, k, pieces, owner):
 
 @section
 def _moves(p, whole, ahead, ends):
-    """Sums over both ends of piece p of what they move by, per motion of four nodes and per angle of two."""
+    """Return sums of the motion of both ends of piece p, per motion of four nodes and per angle of two."""
     low, eta_low, high, eta_high = ends.feet[p, 0], ends.feet[p, 1], ends.feet[p, 2], ends.feet[p, 3]
     over = (ahead - low * whole) / (high - low)
     under = whole - over
@@ -197,7 +197,7 @@ def _moves(p, whole, ahead, ends):
 
 @section
 def _add_slave(nodes, blocks, ends, at, begin, rows):
-    """Blocks of both nodes of a slave segment, nothing for a segment of -1; returns the next free entry."""
+    """Add blocks of both nodes of a slave segment, nothing for a segment of -1. Return the next free entry."""
     if nodes[0] >= 0:
         at = _add_block(nodes[0], blocks[0], ends, at, begin, rows)
         at = _add_block(nodes[1], blocks[1], ends, at, begin, rows)
@@ -206,7 +206,7 @@ def _add_slave(nodes, blocks, ends, at, begin, rows):
 
 @section
 def _add_angles(angles, levers, ends, at, begin, rows):
-    """The same for their angles."""
+    """Add entries of their angles. Return the next free entry."""
     if angles[0] >= 0:
         at = _add_lever(angles[0], levers[0], levers[1], ends, at, begin, rows)
         at = _add_lever(angles[1], levers[2], levers[3], ends, at, begin, rows)
@@ -215,9 +215,9 @@ def _add_angles(angles, levers, ends, at, begin, rows):
 
 @section
 def _write_entries(k, pair, ends, at, angle_at, rows):
-    """Entries of condition k from these on, of nodes and of angles; returns the next free ones.
+    """Write entries of constraint k from here on, of nodes and of angles. Return the next free entries.
 
-    What belongs to a slave segment is summed over its pieces; a node of the master that ends one piece begins the next.
+    A slave segment sums over its pieces; a node of the master that ends one piece begins the next.
     """
     begin, angle_begin, local, zero = at, angle_at, ends.local, (0.0, 0.0, 0.0, 0.0)
     single = pair.coupling.single[0]
@@ -260,7 +260,7 @@ def _write_entries(k, pair, ends, at, angle_at, rows):
 
 @section
 def _finish_row(row, k, first_slot, pair, ends, rows):
-    """All of condition k that is no entry."""
+    """Write all of constraint k except its entries."""
     f, c, at = rows.factors, pair.coupling, pair.places
     nx, ny, p = pair.pieces.normal[k, 0], pair.pieces.normal[k, 1], c.previous[k]
     x, y = pair.separation[k, 0], pair.separation[k, 1]
@@ -274,7 +274,7 @@ def _finish_row(row, k, first_slot, pair, ends, rows):
 
 @section
 def _begin(row, ends, rows):
-    """Forget the numbers of the step before; entries of nodes and angles are as new."""
+    """Clear the numbers of the last step; entries of nodes and angles are reset."""
     if row == 0:
         for n in range(rows.used[0]):
             ends.number[rows.nodes[n]] = -1
@@ -287,10 +287,10 @@ def _begin(row, ends, rows):
 
 @table_kernel
 def write_gradients(bound, bound_ends, count, first_slot, row, bound_rows):
-    """Append all conditions of a pair with straight edges to the `row` ones of the model; returns their number, or -1.
+    """Append all constraints of a pair with straight edges to the `row` rows of the model. Return their number, or -1.
 
-    bound, bound_ends, bound_rows  addresses of a `PairTable`, an `EndsTable`, and a `FactoredGradientsTable`; -1 where
-                                   the latter has no room
+    bound, bound_ends, bound_rows  addresses of a `PairTable`, an `EndsTable`, and a `FactoredGradientsTable`; -1 if
+                                   the last table has no room
     count  pieces in use
     """
     pair, rows, ends = (
@@ -316,7 +316,7 @@ def write_gradients(bound, bound_ends, count, first_slot, row, bound_rows):
 
 @kernel
 def allow_factored_motion(count, bound_rows, current, predicted, velocity, last_dt):
-    """From gaps of the first `count` rows at the start of the step to what has to be held at its end (`allow_motion`).
+    """Replace initial gaps of the first `count` rows by the constraint at the end of the step (`allow_motion`).
 
     `bound_rows` is the address of a `FactoredGradientsTable`.
     """

@@ -1,7 +1,7 @@
-"""Conditions of a pair as columns of D and M and the coupling T, without the rows T^-T [D^T | -M^T].
+"""Constraints of a pair as columns of D and M and the coupling T, without the rows T^-T [D^T | -M^T].
 
-A row reaches along the whole contact, a column over the few nodes that share a segment with its multiplier.
-Whatever rows do to vectors, columns and two substitutions with T do in O(conditions).
+A row extends along the whole contact, a column over the few nodes that share a segment with its multiplier.
+Columns and two substitutions with T replace all products with rows in O(constraints).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from contactlab.kernels.contact.tables import PairTable
 
 @kernel
 def allow_constant_motion(count, bound_rows, current, predicted, velocity, last_dt, offset):
-    """As `allow_motion` of rows that are written out: from gaps at the start of the step to what is to be held.
+    """Replace initial gaps by the constraint at the end of the step, as `allow_motion` does for written rows.
 
     `bound_rows` is the address of a `FactoredTable`, of which `count` rows are in use; offset (k,) [mm] becomes the gap
     at the start plus the allowed motion.
@@ -61,7 +61,7 @@ def _write_column(k, column, sign, numbers, at, node, weight):
 
 @kernel
 def write_factored(bound, first_slot, row, bound_rows):
-    """Append all conditions of a pair to the `row` ones of the model; returns their number, or -1 if out of room.
+    """Append all constraints of a pair to the `row` rows of the model. Return their number, or -1 if out of room.
 
     bound, bound_rows  addresses of a `PairTable` and of a `FactoredTable`
     """

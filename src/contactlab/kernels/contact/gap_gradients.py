@@ -1,6 +1,6 @@
 """Rows of consistent forces: gaps differentiated by all that they depend on, G = dg/dx.
 
-Row k of G is normal . T^-T [D^T - M^T + dW] + separation . d(normal)/dx. What a frozen row leaves out are the last two
+Row k of G is normal . T^-T [D^T - M^T + dW] + separation . d(normal)/dx. A frozen row lacks the last two
 parts: weights that change as surfaces slide along each other, and normals that turn (docs/theory/contact-energy.md).
 """
 
@@ -19,7 +19,7 @@ CUT = 1e-14  # a weight below it moves a gap by less than the round-off of the p
 
 @section
 def _number(nodes, count, shift, place, size):
-    """Number the places of the first `count` rows of nodes (p, v) that have none yet; returns how many there are."""
+    """Number the nodes of the first `count` rows of nodes (p, v) that have no number yet. Return the total."""
     for p in range(count):
         for i in range(nodes.shape[1]):
             v = shift + nodes[p, i]
@@ -31,7 +31,7 @@ def _number(nodes, count, shift, place, size):
 
 @section
 def _touched(pair, gradients, used, row_of, place):
-    """Number in place (m + l,) all that the kept conditions depend on, -1 elsewhere; returns the global nodes."""
+    """Number in place (m + l,) all nodes of the kept constraints, -1 elsewhere. Return the global nodes."""
     m, count = pair.places.slave.size, used[0]
     size = _number(pair.pieces.slave, count, 0, place, 0)
     size = _number(pair.pieces.master, count, m, place, size)
@@ -50,7 +50,7 @@ def _touched(pair, gradients, used, row_of, place):
 
 @section
 def _put_columns(i, columns, k, sign, shift, place, P):
-    """Weights of one side of condition i: sign times column k of D or M."""
+    """Write weights of one side of constraint i: sign times column k of D or M."""
     start = columns.start[k]
     for z in range(start, columns.end[k]):
         weight = columns.weight[k, z - start]
@@ -60,7 +60,7 @@ def _put_columns(i, columns, k, sign, shift, place, P):
 
 @section
 def _put_gradients(gradients, entries, owner, row_of, place, W):
-    """Derivatives of the weighted separations by what makes weights change."""
+    """Write derivatives of the weighted separations by the changes of weights."""
     multiplier, node, value = gradients.multiplier, gradients.node, gradients.value
     for p in range(entries):
         for j in range(multiplier.shape[1]):
@@ -79,7 +79,7 @@ def _put_gradients(gradients, entries, owner, row_of, place, W):
 
 @section
 def _weights(pair, gradients, entries, row_of, place, P, W):
-    """D^T - M^T of the conditions into P (k, nodes), with what makes it change into W (k, 2, dof)."""
+    """Write D^T - M^T of the constraints into P (k, nodes), and their changes into W (k, 2, dof)."""
     c, m = pair.coupling, pair.places.slave.size
     for i in range(P.shape[0]):
         k = c.order[i]
@@ -94,7 +94,7 @@ def _weights(pair, gradients, entries, row_of, place, P, W):
 
 @section
 def _solve(c, W):
-    """Overwrite W (k, columns) by T^-T W; conditions that are coupled follow one another."""
+    """Overwrite W (k, columns) by T^-T W; coupled constraints follow one another."""
     for i in range(W.shape[0]):
         k = c.order[i]
         scale = 1.0 / c.pivot[k]
@@ -114,7 +114,7 @@ def _solve(c, W):
 
 @section
 def _turning(gradients, count, separation, row_of, place, across, along):
-    """separation . d(normal)/dx, and the same for tangents where `along` has rows, by degrees of freedom."""
+    """Add separation . d(normal)/dx, and for tangents if `along` has rows, by degrees of freedom."""
     for e in range(count):
         k = gradients.normal_of[e]
         i = row_of[k]
@@ -130,9 +130,9 @@ def _turning(gradients, count, separation, row_of, place, across, along):
 
 @section
 def _entries(P, W, across, along, normal, node_of, at, rows):
-    """Entries of one condition from `at` on; returns the next free one.
+    """Write entries of one constraint from `at` on. Return the next free entry.
 
-    Slip is what a point of the slave moves along the one of the master that it lies on now: by weights as they are.
+    Slip is the motion of a point of the slave along its present point of the master, with frozen weights.
     """
     nx, ny = normal[0], normal[1]
     across_of, slip_of, friction = rows.normal_weight, rows.tangent_weight, along.shape[0] > 0
@@ -152,7 +152,7 @@ def _entries(P, W, across, along, normal, node_of, at, rows):
 
 @kernel
 def write_rows(bound, bound_gradients, used, margin, multipliers, first_slot, ends, bound_rows):
-    """Append the conditions with a gap below `margin` or a force; returns (rows, entries), (-1, 0) if out of room.
+    """Append constraints with a gap below `margin` or a force. Return (rows, entries), or (-1, 0) if out of room.
 
     bound, bound_gradients, bound_rows  addresses of a `PairTable`, a `GradientsTable` and the model's `RowsTable`
     used  pieces, gradients and derivatives of normals in use
@@ -196,10 +196,10 @@ def write_rows(bound, bound_gradients, used, margin, multipliers, first_slot, en
 
 @kernel
 def allow_motion(first, last, bound_rows, current, predicted, velocity, last_dt, strict):
-    """From gaps of the rows first ... last - 1 at the start of the step to what has to be held at its end.
+    """Replace initial gaps of the rows first ... last - 1 by the constraint at the end of the step.
 
-    A force may act only as far as the surfaces end up no closer than they were one step before, and where they have
-    met, no closer than they are: the gap becomes the predicted motion less that (docs/theory/contact-energy.md);
+    A force may act only as far as the surfaces end up no closer than they were one step before, and after they have
+    met, no closer than now: the gap becomes the predicted motion less this bound (docs/theory/contact-energy.md);
     without `strict` the predicted gap. `bound_rows` is the address of the model's `RowsTable`.
     """
     rows = unpack(bound_rows, RowsTable)
@@ -226,7 +226,7 @@ def allow_motion(first, last, bound_rows, current, predicted, velocity, last_dt,
 
 @kernel
 def from_derivatives(count, derivatives, owner, at, separation, out):
-    """Derivatives of pieces, coordinate by coordinate, as gradients with one node each; returns their number.
+    """Convert derivatives of pieces by coordinates to gradients with one node each. Return their number.
 
     derivatives = (slave, multiplier, master, moved, dD, dM, dT), at = positions of slave and master,
     out = (multiplier, node, value)

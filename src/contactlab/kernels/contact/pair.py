@@ -1,4 +1,4 @@
-"""One contact pair from positions to gaps, on its bound arrays: what `OperatorPair` does in every step.
+"""A contact pair from positions to gaps, on its bound arrays: the work of `OperatorPair` in every step.
 
 `bound` is the address of a `PairTable` throughout.
 """
@@ -18,7 +18,7 @@ FAR = 1e300  # gap of a multiplier that is not kept
 
 @section
 def weigh(k, column, at, sign, x, y):
-    """x and y plus sign times the weighted sum of positions `at` over column k."""
+    """Return x and y plus sign times the weighted sum of positions `at` over column k."""
     start, end, weight = column.start, column.end, column.weight
     begin = start[k]
     for z in range(begin, end[k]):
@@ -30,9 +30,9 @@ def weigh(k, column, at, sign, x, y):
 
 @kernel
 def separations(c, columns, at, normals, separation, gaps):
-    """Vector from the master's to the slave's weighted position, its normal and tangential part (k, 2).
+    """Compute the vector from the master's to the slave's weighted position, its normal and tangential part (k, 2).
 
-    at = positions of slave and master; conditions that are not kept count as `FAR` open.
+    at = positions of slave and master; dropped constraints count as `FAR` open.
     Both substitutions with T^T carry the last place of a chain in x and y, as `order` goes along the chains.
     """
     slave_at, master_at = at
@@ -67,9 +67,9 @@ def separations(c, columns, at, normals, separation, gaps):
 
 @kernel
 def largest_sideways(bound):
-    """Largest distance across the normal between what conditions join, over the length of the slave segments there.
+    """Return the largest offset across the normal between joined points, over the length of their slave segments.
 
-    `bound` is the address of a `PairTable`, with gaps where the conditions were made.
+    `bound` is the address of a `PairTable`, with gaps at the positions of the constraints.
     """
     pair = unpack(bound, PairTable)
     c, largest = pair.coupling, 0.0
@@ -81,9 +81,9 @@ def largest_sideways(bound):
 
 @kernel
 def place(bound, positions, compliance, force, pushed):
-    """Positions of the surfaces' nodes from those of all nodes (N, 2); returns how far they are from the near list.
+    """Copy positions of surface nodes from all nodes (N, 2). Return their distance from the near list.
 
-    Gaps belong to `positions`, and so do rows, or if they are `pushed` to positions + compliance * force.
+    Gaps belong to `positions`, and so do rows, unless they are `pushed` to positions + compliance * force.
     """
     pair = unpack(bound, PairTable)
     at = pair.places
@@ -96,7 +96,7 @@ def place(bound, positions, compliance, force, pushed):
         _push(compliance, force, at.master, at.master_at)
     c, full = pair.coupling, pair.coupling.full
     tributary_lengths(at.slave_at, at.segments, at.node_segments, full)
-    for i in range(c.absent.size):  # lengths of nodes without multiplier go to the carriers on either side, by halves
+    for i in range(c.absent.size):  # half the length of nodes without multiplier goes to each adjacent node with one
         k = c.absent[i]
         full[c.following[k]] += 0.5 * full[k]
         full[c.preceding[k]] += 0.5 * full[k]
@@ -114,10 +114,10 @@ def _push(compliance, force, nodes, at):
 
 @kernel
 def join(bound, count, straight):
-    """Coupling, columns and gaps of the first `count` segment contributions.
+    """Compute coupling, columns and gaps of the first `count` segment contributions.
 
-    Returns (kept, width lacking in columns of D, in columns of M); gaps are there when nothing lacks.
-    kept is -1 where a closed chain is covered all around. `straight`: every slave edge has two nodes.
+    Returns (kept, width lacking in columns of D, in columns of M); gaps are valid if nothing lacks.
+    kept is -1 if a closed chain overlaps all around. `straight`: every slave edge has two nodes.
     """
     pair = unpack(bound, PairTable)
     c, pieces, columns = pair.coupling, pair.pieces, pair.columns
@@ -138,6 +138,6 @@ def join(bound, count, straight):
 
 @kernel
 def compute_gaps_at(bound, at, normals, separation, gaps):
-    """Separations and gaps (k, 2) of the kept multipliers with other `normals` at = positions of slave and master."""
+    """Compute separations and gaps (k, 2) of kept multipliers with other `normals`, at = slave and master positions."""
     pair = unpack(bound, PairTable)
     separations(pair.coupling, pair.columns, at, normals, separation, gaps)

@@ -1,7 +1,7 @@
 """Points that pass through a chain of segments while both move along straight lines.
 
-A segment has its body on the left: a point enters where it comes to the left of a segment, between its ends, and leaves
-where it goes back. Both are roots of a quadratic in time, so that no motion is too long to be watched.
+A segment has its body on the left: a point enters when it comes to the left of a segment, between its ends, and leaves
+when it goes back. Both are roots of a quadratic in time, so that motions of any length are covered.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import numpy as np
 from contactlab.api import Floats, Ints
 from contactlab.api.compiled.kernel import kernel, section
 
-EVENTS = 32  # passages of one point that are looked at
+EVENTS = 32  # passages of one point that are checked
 SLACK = 1e-9  # of a segment and of the motion: no point slips through between two segments, or just before the start
 
 
@@ -22,14 +22,14 @@ def _cross(ax, ay, bx, by):
 
 @section
 def _distance(rx, ry, ex, ey):
-    """Distance [mm] of a point from a segment, both from its first end."""
+    """Return the distance [mm] of a point from a segment, both from its first end."""
     along = min(1.0, max(0.0, (rx * ex + ry * ey) / (ex * ex + ey * ey)))
     return np.hypot(rx - along * ex, ry - along * ey)
 
 
 @section
 def _add(events, count, time, segment, speed):
-    """Insert a passage in the order of time; returns their number."""
+    """Insert a passage in the order of time. Return their number."""
     k = min(count, EVENTS - 1)
     while k > 0 and events[k - 1, 0] > time:
         for c in range(3):
@@ -41,7 +41,7 @@ def _add(events, count, time, segment, speed):
 
 @section
 def _roots(a, b, c):
-    """Roots of a t^2 + b t + c; nan where there are fewer than two."""
+    """Return roots of a t^2 + b t + c; NaN if there are fewer than two."""
     square = b * b - 4.0 * a * c
     if square < 0.0 or (a == 0.0 and b == 0.0):
         return np.nan, np.nan
@@ -51,7 +51,7 @@ def _roots(a, b, c):
 
 @section
 def _opposed(s, r, t, before, after, segments):
-    """Whether two segments face away from each other at a time, as the sides of a plate."""
+    """Return whether two segments face away from each other at a time, as the sides of a plate."""
     product = 0.0
     for c in range(2):
         one = (1.0 - t) * (before[segments[s, 1], c] - before[segments[s, 0], c])
@@ -64,7 +64,7 @@ def _opposed(s, r, t, before, after, segments):
 
 @section
 def _behind(segment, end, after, segments):
-    """How far a point at `end` (2,) lies behind the line of a segment [mm]."""
+    """Return the distance of a point at `end` (2,) behind the line of a segment [mm]."""
     n, m = segments[segment, 0], segments[segment, 1]
     ex, ey = after[m, 0] - after[n, 0], after[m, 1] - after[n, 1]
     return -_cross(end[0] - after[n, 0], end[1] - after[n, 1], ex, ey) / np.hypot(ex, ey)
@@ -72,7 +72,7 @@ def _behind(segment, end, after, segments):
 
 @section
 def _far(end, after, segments, limit):
-    """Whether all segments are farther than `limit` [mm] from a point at `end` (2,)."""
+    """Return whether all segments are farther than `limit` [mm] from a point at `end` (2,)."""
     for s in range(segments.shape[0]):
         n, m = segments[s, 0], segments[s, 1]
         ex, ey = after[m, 0] - after[n, 0], after[m, 1] - after[n, 1]
@@ -83,13 +83,13 @@ def _far(end, after, segments, limit):
 
 @kernel
 def passages(start, end, own, before, after, chain, segments, order, first, last, limit, out):
-    """Points that are deeper than `limit` [mm] inside a chain at the end of a motion, or have come out behind it.
+    """Find points that are deeper than `limit` [mm] inside a chain after a motion, or have come out behind it.
 
     start, end     (p, 2) [mm] of the points, own (p,) their numbers: no point passes through a segment that it ends
     before, after  (n, 2) [mm] of the nodes of the chain, chain (n,) their numbers, segments (s, 2) between them
-    order          (s,) segments, of which those from first[i] to last[i] are looked at for point i
-    out            (p,) share of the motion after which it is `limit` deep, or in the middle between both sides; inf for
-                   points that pass through nothing
+    order          (s,) segments, checked from first[i] to last[i] for point i
+    out            (p,) share of the motion at depth `limit`, or in the middle between both sides; inf without
+                   passage
     """
     events = np.empty((EVENTS, 3))
     for i in range(start.shape[0]):
@@ -111,7 +111,7 @@ def passages(start, end, own, before, after, chain, segments, order, first, last
                 _distance(rx, ry, ex, ey),
                 (rx * ex + ry * ey) / (ex * ex + ey * ey),
             )
-            # a point that touches, or is a little inside before, is inside from the start
+            # a point that touches, or is slightly inside before, is inside from the start
             if far < near or (far == near and side <= 0.0):
                 near, entered = far, s if side <= 0.0 and -SLACK <= along <= 1.0 + SLACK else -1
             a, b = _cross(drx, dry, dex, dey), _cross(rx, ry, dex, dey) + _cross(drx, dry, ex, ey)
@@ -138,7 +138,7 @@ def passages(start, end, own, before, after, chain, segments, order, first, last
             continue
         if speed > 0.0:
             out[i] = min(time + limit / speed, 0.5 * (time + 1.0))
-        else:  # beside a chain that it touched it has not passed through it
+        else:  # next to a chain that it touched it has not passed through
             depth = _behind(entered, end[i], after, segments)
             if depth > limit:
                 out[i] = limit / depth
@@ -147,10 +147,10 @@ def passages(start, end, own, before, after, chain, segments, order, first, last
 def find_passages(
     points: tuple[Floats, Floats, Ints], chain: tuple[Floats, Floats, Ints], segments: Ints, limit: float
 ) -> Floats:
-    """Passages (p,) as `passages` finds them of points through a chain, both given before, after and by number.
+    """Find passages (p,) of points through a chain by `passages`; points and chain: before, after, numbers.
 
-    Segments are sorted along the direction in which they spread most, and each point is held against those alone whose
-    path may meet its own.
+    Segments are sorted along the direction of their largest spread, and each point is tested against segments
+    whose path may meet its own.
     """
     (start, end, own), (before, after, numbers) = points, chain
     ends = np.concatenate([before[segments], after[segments]], axis=1)

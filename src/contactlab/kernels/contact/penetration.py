@@ -10,9 +10,9 @@ from contactlab.api.compiled.kernel import kernel
 
 @kernel
 def depths_behind(points, positions, segments, order, first, last, limit, out):
-    """Depth of every point behind its nearest segment; 0 outside, beyond the chain's ends or past `limit`.
+    """Compute the depth of every point behind its nearest segment; 0 outside, beyond chain ends or past `limit`.
 
-    Of the segments in `order` those from `first` to `last` are looked at for each point.
+    For each point, segments of `order` from `first` to `last` are checked.
     """
     for i in range(points.shape[0]):
         nearest, chosen, out[i] = limit, segments.shape[0], 0.0
@@ -26,17 +26,17 @@ def depths_behind(points, positions, segments, order, first, last, limit, out):
             if xi < 0.0 or xi > 1.0:
                 continue
             gap = (dx * ey - dy * ex) / length
-            # of two that are as near, the first of the chain
+            # of two equally near segments, the first of the chain
             if abs(gap) < nearest or (abs(gap) == nearest and s < chosen and chosen < segments.shape[0]):
                 nearest, chosen = abs(gap), s
                 out[i] = max(0.0, -gap)
 
 
 def depths(points: Floats, positions: Floats, segments: Ints, limit: float) -> Floats:
-    """Penetration (p,) [mm] of points (p, 2) into the body behind a chain, up to `limit` deep.
+    """Return penetration (p,) [mm] of points (p, 2) into the body behind a chain, up to `limit`.
 
-    Segments are sorted along the direction in which the chain spreads, so that a point is held against those alone
-    whose ends are within reach: time grows with the number of points and segments, not with its product.
+    Segments are sorted along the direction of the chain's spread, so that a point is tested only against segments
+    within the search distance: time grows with the number of points and segments, not with their product.
     """
     out = np.empty(len(points))
     ends = positions[segments[:, :2]]
@@ -51,6 +51,6 @@ def depths(points: Floats, positions: Floats, segments: Ints, limit: float) -> F
 
 
 def with_midpoints(positions: Floats, segments: Ints) -> Floats:
-    """The chain's nodes and the middle of every segment (p, 2)."""
+    """Return the chain's nodes and the middle of every segment (p, 2)."""
     middle = 0.5 * (positions[segments[:, 0]] + positions[segments[:, 1]])
     return np.concatenate([positions, middle])

@@ -1,4 +1,4 @@
-"""What the record of every step keeps of one pair: a row of numbers per slave node, in one call."""
+"""Step record of one pair: a row of numbers per slave node, in one call."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from contactlab.kernels.contact.pair import FAR, separations
 from contactlab.kernels.contact.search import take
 from contactlab.kernels.contact.tables import PairTable
 
-STICKS = 1.0 - 1e-9  # of its bound is what a sticking condition's force stays below
+STICKS = 1.0 - 1e-9  # of the bound: upper limit of the friction force in stick
 NONE = 65535
 
 
@@ -30,7 +30,7 @@ class RecordScratch(NamedTuple):
 
 
 class RecordColumns(NamedTuple):
-    """What is kept, (b, m) each; shear and slip are empty without friction."""
+    """Recorded columns, (b, m) each; shear and slip are empty without friction."""
 
     gap: Singles2
     pressure: Singles2
@@ -41,15 +41,15 @@ class RecordColumns(NamedTuple):
 
 
 class RecordTable(NamedTuple):
-    """What a record reads and fills, for m slave nodes and k multipliers of a pair, b rows.
+    """Inputs and outputs of a record, for m slave nodes and k multipliers of a pair, b rows.
 
     position, force, multipliers  of the model; `force` are the contact forces
-    compliance       (N, 2) displacement per contact force in the last step [mm/N]; 0 where motion is prescribed
+    compliance       (N, 2) displacement per contact force in the last step [mm/N]; 0 if motion is prescribed
     law              (3 or more, k) coefficient, adhesion, cap of the friction law; (3, 0) without one
-    slots            (1,) where the pair's multipliers begin
+    slots            (1,) first multiplier of the pair
     next_master      (l, 2) segments that end and begin at each master node
-    inner, following, preceding  nodes without a multiplier and those on either side
-    distance         (k,) [mm] what does not count of the gaps, all of it at `uncounted` = 1
+    inner, following, preceding  nodes without a multiplier and their neighbours
+    distance         (k,) [mm] uncounted gaps, all at `uncounted` = 1
     """
 
     position: Floats2
@@ -69,7 +69,7 @@ class RecordTable(NamedTuple):
 
 @kernel
 def record_pair(row, bound_pair, bound, bound_rows, count, uncounted):
-    """Fill a row of the record of a pair from what the accepted step has left.
+    """Fill a row of the record of a pair from the last accepted step.
 
     bound_pair, bound, bound_rows  addresses of a `PairTable`, a `RecordTable` and the model's `RowsTable`, of which
                                    `count` rows are in use; -1: `slid` is filled already
@@ -98,14 +98,14 @@ def record_pair(row, bound_pair, bound, bound_rows, count, uncounted):
 
 @section
 def _tractions(c, r, friction):
-    """Lambda = T^-1 y, that of the owner where multipliers are merged, 0 where they are dropped."""
+    """Compute Lambda = T^-1 y, the owner's value for merged multipliers, 0 for dropped ones."""
     first = r.slots[0]
     for side in range(2 if friction else 1):
         values = r.scratch.traction[side]
         for k in range(values.size):
             values[k] = r.multipliers[side, first + k]
         solve_pivots(c, values)
-        # owners are kept: what is read here was not overwritten before
+        # owners are kept: values read here were not overwritten before
         for k in range(values.size):
             if c.owner[k] < 0:
                 values[k] = 0.0
@@ -115,7 +115,7 @@ def _tractions(c, r, friction):
 
 @section
 def _slips(rows, count, r):
-    """What the rows predicted of the sliding in the step, and what the forces changed of it."""
+    """Compute slips: the prediction of the rows plus the change by forces."""
     first, slots = r.slots[0], r.scratch.slid.size
     for k in range(slots):
         r.scratch.slid[k] = 0.0
@@ -133,7 +133,7 @@ def _slips(rows, count, r):
 
 @section
 def _node(row, i, nodes, cover, r, friction):
-    """Sums of tractions, the mean of slips, the smallest gap and the last of the states over multipliers of a node."""
+    """Write sums of tractions, mean slip, smallest gap and last state over the multipliers of a node."""
     first, gap, pressure, shear, slip, near, state = r.slots[0], FAR, 0.0, 0.0, 0.0, 0, 0
     for k in range(i, r.scratch.apart.shape[0], nodes):
         normal, tangential, limit = r.multipliers[0, first + k], 0.0, 0.0
@@ -157,7 +157,7 @@ def _node(row, i, nodes, cover, r, friction):
 
 @section
 def _segment(i, nodes, columns, owner, next_master):
-    """Find the master segment whose two nodes have most of the weight in the conditions of a node."""
+    """Find the master segment whose two nodes have most of the weight in the constraints of a node."""
     heaviest, found = 0.0, NONE
     for k in range(i, owner.size, nodes):
         if owner[k] != k:
@@ -177,7 +177,7 @@ def _segment(i, nodes, columns, owner, next_master):
 
 @section
 def _between(row, i, after, before, r, friction):
-    """A node without multiplier: the mean of its neighbours, and it touches where one of them does."""
+    """Write a node without multiplier: the mean of its neighbours; it touches if a neighbour does."""
     r.out.gap[row, i] = 0.5 * (r.out.gap[row, after] + r.out.gap[row, before])
     r.out.pressure[row, i] = 0.5 * (r.out.pressure[row, after] + r.out.pressure[row, before])
     r.out.state[row, i] = max(r.out.state[row, after], r.out.state[row, before])

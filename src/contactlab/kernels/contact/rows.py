@@ -10,7 +10,7 @@ from contactlab.kernels.contact.tables import PairTable
 
 @section
 def _write(k, side, sign, numbers, normal, at, rows):
-    """Entries of one side of condition k; returns the next free entry."""
+    """Write entries of one side of constraint k. Return the next free entry."""
     start, end, weight = side.start, side.end, side.weight
     nx, ny = sign * normal[0], sign * normal[1]
     shift = start[k]
@@ -28,7 +28,7 @@ def _write(k, side, sign, numbers, normal, at, rows):
 
 @kernel
 def write_rows(bound, margin, multipliers, first_slot, row, at, bound_rows):
-    """Append the conditions with a gap below `margin` or a force; returns (rows, entries), (-1, 0) if out of room.
+    """Append constraints with a gap below `margin` or a force. Return (rows, entries), or (-1, 0) if out of room.
 
     bound, bound_rows  addresses of a `PairTable` and of the model's `RowsTable`, of which `row` rows and `at` entries
                        are in use
@@ -55,7 +55,7 @@ def write_rows(bound, margin, multipliers, first_slot, row, at, bound_rows):
 
 @kernel
 def write_slips(first, last, first_slot, measured, current, bound_rows):
-    """Slip of the step in rows first ... last - 1: tangent times separation now minus at its start.
+    """Compute the slip of the step in rows first ... last - 1: tangent times separation now minus at the start.
 
     Each term has the tangent of its own time and both have the same weights (docs/theory/rows.md), so that a
     rigid rotation of the pair gives none. measured = gaps, normals and the normals at the start of the step, (k, 2)
@@ -77,7 +77,7 @@ def write_slips(first, last, first_slot, measured, current, bound_rows):
 
 @kernel
 def tangential_work(count, bound_rows, multipliers, mean_velocity, dt, compliance, force):
-    """Sum over the rows of y_t times mean sliding velocity times dt, and of -y_t times the slip at the end."""
+    """Return sums over the rows of y_t times mean sliding velocity times dt, and of -y_t times the slip at the end."""
     rows = unpack(bound_rows, RowsTable)
     work, dissipated = 0.0, 0.0
     for row in range(count):
@@ -127,7 +127,7 @@ def _add_side(pair, side, nodes, sign, multipliers, normal_force, tangent_force)
 
 @kernel
 def flexibilities(bound, nodal, out):
-    """Sum of squared normal weights times nodal flexibility (N, 2) into out (k,) for the kept multipliers.
+    """Sum squared normal weights times nodal flexibility (N, 2) into out (k,) for the kept multipliers.
 
     `bound` is the address of a `PairTable`.
     """
@@ -148,7 +148,7 @@ def flexibilities(bound, nodal, out):
 
 @kernel
 def extrapolate(now, before):
-    """Forces (k,) that pressed in both last steps go on linearly, never below zero; `before` becomes `now`."""
+    """Extrapolate forces (k,) of both last steps linearly, never below zero; `before` becomes `now`."""
     for k in range(now.size):
         last = now[k]
         if last > 0.0 and before[k] > 0.0:

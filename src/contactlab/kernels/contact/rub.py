@@ -24,7 +24,7 @@ def push(count, bound_rows, multipliers, force):
 
 @kernel
 def start_slips(count, bound_rows, current, predicted):
-    """Slips of the rows at the predicted positions, along their tangents at the start of the step."""
+    """Compute slips of the rows at the predicted positions, along their tangents at the start of the step."""
     rows = unpack(bound_rows, RowsTable)
     for row in range(count):
         slid = 0.0
@@ -36,9 +36,9 @@ def start_slips(count, bound_rows, current, predicted):
 
 @kernel
 def rub(count, bound_rows, compliance, multipliers, force, tolerance, sweeps):
-    """Sweep tangential multipliers until none moves its row by `tolerance` segments; (sweeps, last change in segments).
+    """Iterate tangential multipliers until none moves its row by `tolerance` segments. Return (sweeps, last change).
 
-    `force` holds the nodal forces of all multipliers, and follows.
+    `force` holds the nodal forces of all multipliers, and is updated.
     """
     rows = unpack(bound_rows, RowsTable)
     change = 0.0

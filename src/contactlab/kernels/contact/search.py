@@ -1,4 +1,4 @@
-"""Which segments are near which, by sort-and-sweep over bounding boxes, and how far nodes have moved since."""
+"""Near segments by sort-and-sweep over bounding boxes, and motion of nodes since then."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from contactlab.api.surface import Candidates
 
 @kernel
 def take(values, index, out):
-    """Rows `index` of values (N, 2) into out (m, 2)."""
+    """Copy rows `index` of values (N, 2) into out (m, 2)."""
     for i in range(index.size):
         out[i, 0] = values[index[i], 0]
         out[i, 1] = values[index[i], 1]
@@ -19,7 +19,7 @@ def take(values, index, out):
 
 @kernel
 def largest_move(now, before):
-    """Largest absolute change of a coordinate between two (m, 2) arrays."""
+    """Return the largest absolute change of a coordinate between two (m, 2) arrays."""
     largest = 0.0
     for i in range(now.shape[0]):
         largest = max(largest, abs(now[i, 0] - before[i, 0]), abs(now[i, 1] - before[i, 1]))
@@ -28,7 +28,7 @@ def largest_move(now, before):
 
 @kernel
 def boxes(positions, segments, low, high):
-    """Corners (s, 2) of the bounding box of every segment."""
+    """Compute corners (s, 2) of the bounding box of every segment."""
     for s in range(segments.shape[0]):
         a, b = segments[s, 0], segments[s, 1]
         for i in range(2):
@@ -50,7 +50,7 @@ def sweep(slave, master, axis, reach, start, found):
     for s in range(slave_low.shape[0]):
         start[s] = count
         from_, to = slave_low[s, axis] - reach, slave_high[s, axis] + reach
-        # the first box that can still reach `from_`: boxes are sorted by their lower bound
+        # the first box within the search distance of `from_`: boxes are sorted by their lower bound
         left, right = 0, order.size
         while left < right:
             middle = (left + right) // 2
@@ -80,7 +80,7 @@ def sweep(slave, master, axis, reach, start, found):
 def near_segments(
     slave_positions: Floats, slave_segments: Ints, master_positions: Floats, master_segments: Ints, reach: float
 ) -> Candidates:
-    """All pairs of segments whose boxes come within `reach` [mm] of each other."""
+    """Return all pairs of segments whose boxes come within `reach` [mm] of each other."""
     slave = _bounds(slave_positions, slave_segments)
     low, high = _bounds(master_positions, master_segments)
     axis = int(np.argmax(high.max(axis=0) - low.min(axis=0)))

@@ -1,16 +1,16 @@
-"""Smooth surfaces: the curves through the nodes of both sides of a contact in place of their segments.
+"""Smooth surfaces: curves through the nodes of both sides of a contact that replace their segments.
 
 A curve lies off its segments by a cubic between any two nodes, to the left of a segment of length l from a to b by
 
     c(s) = s (1 - s)^2 v - s^2 (1 - s) w,    v = l m(alpha_a),  w = l m(alpha_b),  m(x) = (12 tan(x/2) - sin(x)) / 5,
 
-where alpha is the angle from the segment to the tangent at a node, which is that of the parabola through the node and
-its neighbours. On an arc c has the area of the arc up to alpha^4 of itself: m is alpha (1 + 2/15 alpha^2), to that
-order. `bends` are v and w as vectors. A piece of contact adds integrals of psi_j times c of the slave and takes those
+where alpha is the angle from the segment to the tangent at a node, the tangent of the parabola through the node and
+its neighbours. On an arc c has the area of the arc up to alpha^4 of itself: m is alpha (1 + 2/15 alpha^2), to this
+order. `bends` are v and w as vectors. A piece of contact adds integrals of psi_j times c of the slave less integrals
 of the master: `moments` (p, 4, 2) [mm] are the integrals of psi_j times s (1 - s)^2 and - s^2 (1 - s), of the slave
 and, with the other sign, of the master.
 
-`beside` (s, 2) holds the segments before and after each segment, -1 where the curve ends: at ends of chains, at
+`beside` (s, 2) holds the segments before and after each segment, -1 at ends of the curve: at ends of chains, at
 corners. There it has the curvature of the other end.
 """
 
@@ -25,7 +25,7 @@ from contactlab.kernels.contact.tables import PairTable
 
 @point
 def bend(other, edge):
-    """l m(alpha) across an edge at the end that meets the `other` one, both along the chain."""
+    """Return l m(alpha) across an edge at the end that meets the `other` edge, both along the chain."""
     far, own = other.length(), edge.length()
     share = own / (far + own)
     tangent = (share * own / far) * other + (1.0 - share) * edge
@@ -35,20 +35,20 @@ def bend(other, edge):
 
 @point
 def hermite(s):
-    """What v and w are weighed with at s."""
+    """Return the weights of v and w at s."""
     return s * (1.0 - s) * (1.0 - s), -s * s * (1.0 - s)
 
 
 @point
 def edge_of(at, segments, s):
-    """The edge of segment s."""
+    """Return the edge of segment s."""
     a, b = segments[s, 0], segments[s, 1]
     return Vector(at[b, 0] - at[a, 0], at[b, 1] - at[a, 1])
 
 
 @section
 def put_bends(at, segments, beside, out):
-    """Bends (s, 4) [mm] at positions (m, 2): v and w of each segment."""
+    """Compute bends (s, 4) [mm] at positions (m, 2): v and w of each segment."""
     for s in range(segments.shape[0]):
         edge, before, after = edge_of(at, segments, s), beside[s, 0], beside[s, 1]
         v, w = Vector(0.0, 0.0), Vector(0.0, 0.0)
@@ -65,7 +65,7 @@ def put_bends(at, segments, beside, out):
 
 @kernel
 def put_all_bends(at, sides):
-    """Bends of both sides, see `shifts`."""
+    """Compute bends of both sides, see `shifts`."""
     for side in range(2):
         put_bends(at[side], sides[side][0], sides[side][1], sides[side][2])
 
@@ -90,9 +90,9 @@ def _solve_transposed(c, values):
 
 @kernel
 def shifts(bound, count, at, sides, places, moments, out):
-    """What the curves add to separations, (k, 2) [mm], with the coupling of the last update; 0 without a condition.
+    """Compute shifts of separations by curves, (k, 2) [mm], with the last coupling; 0 without a constraint.
 
-    `bound` is the address of a `PairTable`; of slave and master: at (m, 2), sides = segments, `beside` and room for
+    `bound` is the address of a `PairTable`; of slave and master: at (m, 2), sides = segments, `beside` and arrays for
     bends, places (p, 2) the segments of each piece
     """
     c, multiplier = unpack(bound, PairTable).coupling, unpack(bound, PairTable).pieces.multiplier
@@ -123,7 +123,7 @@ def add_normal(shift, normals, gaps):
 
 @section
 def put_rates(at, segments, beside, rates):
-    """Derivatives (s, 4, 8) of the bends by the coordinates of four nodes: before the segment, its own, after it."""
+    """Compute derivatives (s, 4, 8) of the bends by four nodes' coordinates: before the segment, its own, after it."""
     for s in range(segments.shape[0]):
         before, after, i, j = beside[s, 0], beside[s, 1], segments[s, 0], segments[s, 1]
         a, b = Vector(seed(at[i, 0], 2, 8), seed(at[i, 1], 3, 8)), Vector(seed(at[j, 0], 4, 8), seed(at[j, 1], 5, 8))
@@ -145,9 +145,9 @@ def put_rates(at, segments, beside, rates):
 
 @kernel
 def bend_derivatives(count, multiplier, owner, places, moments, at, sides, out):
-    """What separations change with the bends, before T: entries 2 k + component by coordinate; returns their number.
+    """Write derivatives of separations by bends, before T: entries 2 k + component by coordinate. Return their number.
 
-    sides = segments, `beside`, global nodes and room for rates (s, 4, 8), of slave and master
+    sides = segments, `beside`, global nodes and arrays for rates (s, 4, 8), of slave and master
     out = row, column, value
     """
     row, column, value = out

@@ -1,4 +1,4 @@
-"""What the kernels of one contact pair work on, in tables: k multipliers, m slave nodes, l master nodes."""
+"""Tables of the kernels of one contact pair: k multipliers, m slave nodes, l master nodes."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from contactlab.api.compiled.bound_arrays import Flags1, Floats1, Floats2, Ints1
 
 
 class BandedRows(NamedTuple):
-    """Rows of which each has its weights in one stretch of a chain of nodes.
+    """Rows with weights on one stretch of a chain of nodes each.
 
-    Row k weighs the positions start[k] <= p < end[k] by weight[k, p - start[k]].
+    Row k weights the positions start[k] <= p < end[k] by weight[k, p - start[k]].
     """
 
     start: Ints1
@@ -22,25 +22,25 @@ class BandedRows(NamedTuple):
 
     @classmethod
     def allocate(cls, rows: int, width: int) -> BandedRows:
-        """Room for rows of at most `width` weights, all empty."""
+        """Allocate empty rows of at most `width` weights."""
         return cls(np.zeros(rows, np.int32), np.zeros(rows, np.int32), np.zeros((rows, width)))
 
 
 class CouplingTable(NamedTuple):
     """The tridiagonal coupling T of the multipliers and its factors; see `contactlab.kernels.contact.coupling`.
 
-    following, preceding   (k,) multipliers of the next and the previous carrier of the chain, -1 at ends
-    absent                 those of nodes that carry none: places that stay empty
-    fixed                  (k,) those of nodes that cannot move
+    following, preceding   (k,) multipliers of the next and previous node with multipliers on the chain, -1 at ends
+    absent                 multipliers of nodes without one: places that stay empty
+    fixed                  (k,) multipliers of nodes that cannot move
     least                  (k,) share of its length below which each is merged
-    tie                    (k,) [mm] what ties each to the neighbour that it would be merged into, 0: nothing
-    full, cover            (k,) [mm] length of each multiplier on full cover, and what of it is covered
+    tie                    (k,) [mm] tie of each to the neighbour that it would be merged into, 0: none
+    full, cover            (k,) [mm] length of each multiplier on full overlap, and its overlap length
     diagonal, lower, upper (k,) [mm] T[k, k], T[k, previous], T[k, next]
-    pivot                  (k,) [mm] what is left of the diagonal where T is eliminated from the start of each chain
-    owner                  (k,) the multiplier that each one became, -1 if it was dropped
-    next, previous         (k,) neighbours among those that are kept, -1 at ends
-    order                  (k,) those that are kept, chain by chain; kept[0] is their number
-    single                 (1,) whether each one weighs its own slave node alone, D = T
+    pivot                  (k,) [mm] diagonal after elimination of T from the start of each chain
+    owner                  (k,) the multiplier that each is merged into, -1 if it was dropped
+    next, previous         (k,) neighbours among the kept multipliers, -1 at ends
+    order                  (k,) kept multipliers, chain by chain; kept[0] is their number
+    single                 (1,) True if each multiplier has weight on its own slave node alone, D = T
     """
 
     following: Ints1
@@ -64,13 +64,13 @@ class CouplingTable(NamedTuple):
 
 
 class PlacesTable(NamedTuple):
-    """Where a pair is.
+    """Nodes and positions of a pair.
 
     slave, master           (m,), (l,) global nodes
     segments, node_segments of the slave
-    slave_at, master_at     (m, 2), (l, 2) [mm] where D, M and T are integrated
-    slave_measured, master_measured  [mm] where gaps are measured
-    slave_before, master_before      [mm] where the near list was made
+    slave_at, master_at     (m, 2), (l, 2) [mm] for the integration of D, M and T
+    slave_measured, master_measured  [mm] for the measurement of gaps
+    slave_before, master_before      [mm] of the near list
     """
 
     slave: Ints1
@@ -86,17 +86,17 @@ class PlacesTable(NamedTuple):
 
 
 class BothSides(NamedTuple):
-    """Banded rows over the slave's nodes and over the master's, of one multiplier each."""
+    """Banded rows over the slave's nodes and over the master's nodes, of one multiplier each."""
 
     slave: BandedRows
     master: BandedRows
 
 
 class PairTable(NamedTuple):
-    """All that the kernels of one pair work on.
+    """All arrays of the kernels of one pair.
 
     columns     of D and M for each multiplier
-    separation  (k, 2) [mm] weighted positions of the slave minus those of the master, gaps (k, 2) [mm] their normal and
+    separation  (k, 2) [mm] weighted slave positions minus weighted master positions, gaps (k, 2) [mm] their normal and
                 tangential parts
     weights     rows T^-T D^T and T^-T M^T
     """

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Body:
-    """One body in global node numbers.
+    """A body in global node numbers.
 
     first, count  its nodes are first ... first + count - 1
     cells         (n, a) int32 global node numbers
@@ -42,7 +42,7 @@ class Body:
         return len(self.element.quadrature().weights)
 
     def shape_gradients(self, points: Floats) -> Floats:
-        """Gradients (s, a, 2) of the shape functions at reference points (s, 2), kept for frames that ask again."""
+        """Return gradients (s, a, 2) of the shape functions at reference points (s, 2), kept for later frames."""
         key = points.tobytes()
         if key not in self._gradients:
             self._gradients[key] = np.ascontiguousarray(self.element.shape(points).gradient)
@@ -68,17 +68,17 @@ class Body:
 
 
 def positions_of(bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...]) -> Floats:
-    """Positions (N, 2) [mm] of all nodes before the run."""
+    """Return positions (N, 2) [mm] of all nodes before the run."""
     return np.concatenate([*(body.mesh.nodes for body in bodies), *(surface.points for surface in rigid)])
 
 
 @dataclass
 class Block:
-    """Arrays of one block of B cells; `stress` (4, P) and `gradient` (4, P) are those of the last update.
+    """Arrays of one block of B cells; `stress` (4, P) and `gradient` (4, P) belong to the last update.
 
     Blocks may share these two: read them through `BodyForces.current`.
-    `history` is that of the last accepted step; `new_history` that of the last update, the same array
-    where every update is an accepted step. `law` gives stresses: the body's, or that along the path of a step.
+    `history` belongs to the last accepted step; `new_history` to the last update, the same array
+    if every update is an accepted step. `law` gives stresses: the body's law, or its path through a step.
     """
 
     connectivity: Ints
@@ -92,9 +92,9 @@ class Block:
 class BodyForces:
     """The staged work of one body, bound to the model's arrays once.
 
-    geometry and field are what the law's kinematics asks for: (X, u), (x, X) or (x, du). With
+    geometry and field follow the law's kinematics: (X, u), (x, X) or (x, du). With
     `trial_history` updates are trials from `history` until they are accepted; explicit runs give none.
-    `shape` is (X, u) whatever the kinematics, for elements that stabilise. `colours` and `block_threads` of the
+    `shape` is (X, u) for all kinematics, for elements that stabilise. `colours` and `block_threads` of the
     blocks: see `contactlab.model.bodies.thread_blocks`.
     """
 
@@ -124,7 +124,7 @@ class BodyForces:
         self.shares_stress = self.shares_gradient and not body.material.history_size
         self.colours = colours([block.connectivity for block in self.blocks], len(force))
         self.block_threads = threads_of_blocks(self.colours, threads, first_thread)
-        # Blocks of equal width on one thread share an array whose values can be recomputed: that is 128 bytes less to
+        # Blocks of equal width on one thread share an array whose values can be recomputed: 128 bytes less to
         # move per Q1 cell and step for each of the two. A gradient follows from positions, a stress from the gradient
         # unless the law has a history.
         first: dict[tuple[int, ...], Block] = {}
@@ -168,7 +168,7 @@ class BodyForces:
         return stabilised
 
     def begin_step(self) -> None:
-        """Where bodies are is the start of a step, from which laws that flow follow the path of the deformation."""
+        """Take the present positions as start of a step, from which flowing laws follow the deformation path."""
         for block, scratch in zip(self.blocks, self.scratch, strict=True):
             if isinstance(block.law, StraightPath):
                 if block.law.start is None:
@@ -176,14 +176,14 @@ class BodyForces:
                 self.kernels.gradient(self.geometry, self.field, block.connectivity, block.law.start, scratch)
 
     def accept(self) -> None:
-        """The history of the last update is that of the accepted state."""
+        """Accept the history of the last update."""
         self.history[:] = self.trial_history
         for block in self.blocks:
             if isinstance(block.law, StraightPath):
                 block.law.start = None
 
     def current(self) -> Iterator[Block]:
-        """The blocks with gradient and stress of the last update, each until the next one is asked for."""
+        """Yield the blocks with gradient and stress of the last update, each valid until the next."""
         for block, scratch in zip(self.blocks, self.scratch, strict=True):
             if self.shares_gradient:
                 self.kernels.gradient(self.geometry, self.field, block.connectivity, block.gradient, scratch)
@@ -194,24 +194,24 @@ class BodyForces:
             yield block
 
     def stress(self) -> Floats:
-        """Cauchy stress of the last update, (n, q, 4)."""
+        """Return Cauchy stress of the last update, (n, q, 4)."""
         q = self.body.points
         return np.concatenate([b.stress.reshape(4, q, -1).transpose(2, 1, 0).copy() for b in self.current()])
 
     def stored_energy(self) -> float:
-        """Stored energy of the body [mJ] at the last update; nan for laws without one."""
+        """Return the stored energy of the body [mJ] at the last update; NaN for laws without one."""
         if not self.body.material.has_energy:
             return float("nan")
         return self._integral(self.body.material.energy)
 
     def dissipated_energy(self) -> float:
-        """Energy that the body's law has dissipated [mJ], by its history; 0 for laws that tell none."""
+        """Return the energy dissipated by the body's law [mJ], by its history; 0 for laws without dissipation."""
         if not self.body.material.history_size:
             return 0.0
         return self._integral(self.body.material.dissipation)
 
     def numerical_energy(self) -> float:
-        """Energy [mJ] in modes that only the element's stabilisation resists."""
+        """Return the energy [mJ] in modes that only the element's stabilisation resists."""
         if self.kernels.stabilise is None:
             return 0.0
         assert self.shape is not None
@@ -222,7 +222,7 @@ class BodyForces:
         return float(0.5 * np.vdot(displacement, force))
 
     def _integral(self, density: Callable[[Floats, Floats, Floats], None]) -> float:
-        """Sum over points of a density of the law per volume, at the last update."""
+        """Return the sum over points of a density of the law per volume, at the last update."""
         total = 0.0
         for block, volume in self.current_volumes():
             values = np.empty(block.stress.shape[1])
@@ -231,16 +231,16 @@ class BodyForces:
         return total
 
     def current_volumes(self) -> Iterator[tuple[Block, Floats]]:
-        """The blocks of `current`, each with the volume per thickness (P,) [mm2] of its points."""
+        """Yield the blocks of `current`, each with the volume per thickness (P,) [mm2] of its points."""
         rule = self.body.element.quadrature()
         for block in self.current():
             yield block, self._volumes(block, rule.points, rule.weights)
 
     def _volumes(self, block: Block, points: Floats, weights: Floats) -> Floats:
-        """Volume per thickness [mm2] of every point, point-major, as the law sees it.
+        """Return the volume per thickness [mm2] of every point, point-major, as the law sees it.
 
         For "finite" laws undeformed volume times det F of the law's own gradient, which an element may
-        have averaged (F-bar); otherwise in the geometry the forces act on.
+        have averaged (F-bar); otherwise in the geometry of the forces.
         """
         if self.body.material.kinematics != "finite":
             return (self.determinants(block, points) * weights[:, None]).ravel()
@@ -249,7 +249,7 @@ class BodyForces:
         return np.asarray(undeformed.ravel() / (g[0] * g[3] - g[1] * g[2]))
 
     def determinants(self, block: Block, points: Floats) -> Floats:
-        """Jacobian determinants (q, B) of a block's cells in the geometry the forces act on."""
+        """Return Jacobian determinants (q, B) of a block's cells in the geometry of the forces."""
         return self._determinants(self.geometry, block, points)
 
     def _determinants(self, positions: Floats, block: Block, points: Floats) -> Floats:
@@ -260,7 +260,7 @@ class BodyForces:
 
 
 def _scratch(blocks: Sequence[Block], block_threads: Sequence[int]) -> list[Floats]:
-    """Scratch of every block; those of one size and thread share it."""
+    """Return scratch of every block; blocks of equal size and thread share it."""
     shared: dict[tuple[int, int], Floats] = {}
     for block, thread in zip(blocks, block_threads, strict=True):
         nodes, cells = block.connectivity.shape
@@ -270,7 +270,7 @@ def _scratch(blocks: Sequence[Block], block_threads: Sequence[int]) -> list[Floa
 
 
 def block_size(cells: int) -> int:
-    """Cells of every block but the last, at most BLOCK_CELLS.
+    """Return the number of cells of every block but the last, at most BLOCK_CELLS.
 
     Rows of a block's arrays stand a block's width apart. Powers of two put all rows into the same few sets of
     the first-level cache (measured: three times slower); eight times an odd number puts each into its own.
@@ -283,7 +283,7 @@ def block_size(cells: int) -> int:
 
 
 def _blocks(body: Body, history: Floats, trial_history: Floats, follows_paths: bool) -> list[Block]:
-    """Cells cut into blocks of about BLOCK_CELLS, equal but for the last."""
+    """Return cells cut into blocks of about BLOCK_CELLS, equal except for the last."""
     cells, q, h = body.cells, body.points, body.material.history_size
     size = block_size(len(cells))
     blocks, at = [], 0

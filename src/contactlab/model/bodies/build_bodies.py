@@ -1,4 +1,4 @@
-"""Bodies and their masses, built from what a scene says of them."""
+"""Bodies and their masses, built from the scene."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def _body(
 
 
 def _joined_sets(scene: Scene) -> dict[str, list[tuple[list[str], list[str]]]]:
-    """Edge sets of one body that are slave and master of one contact, by body."""
+    """Return edge sets of one body that are slave and master of one contact, by body."""
     joined: dict[str, list[tuple[list[str], list[str]]]] = {}
     for contact in scene.contacts:
         slave, master = ([split_target(target) for target in side] for side in contact.targets)
@@ -76,6 +76,6 @@ def _meshed(source: MeshSource, element: Element, level: int, where: Where) -> M
 
 
 def masses_of(bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...]) -> Floats:
-    """Lumped masses (N,) [t], zero for nodes of rigid surfaces."""
+    """Return lumped masses (N,) [t], zero for nodes of rigid surfaces."""
     own = [body.material.density * nodal_measure(body.mesh, body.element) for body in bodies]
     return np.concatenate([*own, *(np.zeros(surface.count) for surface in rigid)])

@@ -12,7 +12,7 @@ from contactlab.errors import SceneError, Where, WrongAnswer
 
 
 def refuse_wrong_tables(element: Element) -> None:
-    """Raise WrongAnswer where a table of the element has the wrong form."""
+    """Raise WrongAnswer if a table of the element has the wrong form."""
     nodes, sides = np.shape(element.nodes), {len(edge) for edge in element.edges}
     if len(nodes) != 2 or nodes[1] != 2 or len(sides) != 1 or len(element.edges) != 4:
         _refuse(element, "nodes, edges", f"{nodes} and {len(element.edges)} sides", "nodes (a, 2), and 4 sides alike")
@@ -30,7 +30,7 @@ def refuse_wrong_tables(element: Element) -> None:
 
 
 def refuse_wrong_speeds(material: Material, where: Where) -> None:
-    """Raise WrongAnswer where a law does not tell two speeds that can set a step, SceneError where these overflow."""
+    """Raise WrongAnswer if a law does not give two speeds that can set a step, SceneError if these overflow."""
     speeds: Any = material.wave_speeds()
     if np.shape(speeds) == (2,) and max(speeds) == np.inf:
         raise SceneError(
@@ -44,10 +44,10 @@ def refuse_wrong_speeds(material: Material, where: Where) -> None:
 
 
 def refuse_writing_to_inputs(material: Material) -> None:
-    """Raise WrongAnswer where a law writes to the gradient or the history that it is given.
+    """Raise WrongAnswer if a law writes to its gradient or history arguments.
 
-    Runs give it their own arrays: the stress then belongs to another deformation, and nothing else would say so. Laws
-    by formulas cannot.
+    Runs pass their own arrays: the stress would silently belong to another deformation. Laws
+    by formulas cannot write.
     """
     if "stress" in formulas_of(type(material)):
         return

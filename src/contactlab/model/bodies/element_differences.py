@@ -1,7 +1,7 @@
 """Cell stiffness by differences, for elements whose kernels are their own.
 
-All cells get nodes of their own, so that one perturbed force evaluation gives a column of the stiffness
-of every cell at once: two evaluations for each degree of freedom of a cell, whatever the number of cells.
+All cells get nodes of their own, so that a perturbed force evaluation gives a column of the stiffness
+of every cell: two evaluations for each degree of freedom of a cell, whatever the number of cells.
 
 Only the element is differenced, being smooth; stresses change by the tangent of the law. A difference of stresses
 would span both branches of a law at points that have flowed by less than its width, which is every point in a short
@@ -49,13 +49,13 @@ class StiffnessByDifferences:
         scatter_all(matrices, pairs, pattern.place, pattern.stride, pattern.data)
 
     def _per_cell(self, values: Floats, block: Block) -> Floats:
-        """Nodal values (a B, 2) of the block's cells, node by node."""
+        """Return nodal values (a B, 2) of the block's cells, node by node."""
         return np.ascontiguousarray(values[block.connectivity].reshape(-1, 2))
 
     def _forces(
         self, block: Block, tangent: Floats, geometry: Floats, field: Floats, b: int, k: int, step: Floats
     ) -> Floats:
-        """Nodal forces (a B, 2) with node b of every cell moved by `step` (B,) along k."""
+        """Return nodal forces (a B, 2) with node b of every cell moved by `step` (B,) along k."""
         nodes, cells = block.connectivity.shape
         connectivity = np.arange(nodes * cells, dtype=np.int32).reshape(nodes, cells)
         moved = slice(b * cells, (b + 1) * cells)

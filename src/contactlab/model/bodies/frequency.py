@@ -1,6 +1,6 @@
 """Lowest natural frequency excited by the loading; sets the duration of quasi-static runs.
 
-Small systems are solved by NumPy: SciPy's solvers take longer to be imported than these to be solved.
+NumPy solves small systems: importing SciPy's solvers takes longer than the solution.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from contactlab.model.bodies.stiffness import cell_stiffness
 from contactlab.model.model_size import SMALL
 
 ROUND = 1e-12  # of the mean stiffness over mass: rigid motions keep round-off of the moduli
-STIFF = 100.0  # of the largest nodal stiffness: springs of joints then give a hundredth of what a cell does
+STIFF = 100.0  # of the largest nodal stiffness: springs of joints then give a hundredth as much as a cell
 
 
 class Joints(NamedTuple):
-    """Nodes that are tied to a point of an edge: u[node] = (1 - share) u[ends[0]] + share u[ends[1]].
+    """Nodes tied to a point of an edge: u[node] = (1 - share) u[ends[0]] + share u[ends[1]].
 
     node (j,), ends (j, 2) node numbers; share (j,) from 0 to 1
     """
@@ -36,10 +36,10 @@ NO_JOINTS = Joints(np.zeros(0, np.int32), np.zeros((0, 2), np.int32), np.zeros(0
 def lowest_frequency(
     bodies: Sequence[Body], positions: Floats, mass: Floats, fixed: Ints, directions: Floats, joints: Joints
 ) -> float:
-    """Circular frequency [1/s] of the lowest mode that pushing along `directions` (d, 2) excites.
+    """Return the circular frequency [1/s] of the lowest mode excited by pushing along `directions` (d, 2).
 
-    Bodies that joints tie together vibrate together, as contact will have them. Where that leaves some of them adrift
-    (a body that could roll or slide), each counts alone. inf where every degree of freedom is held.
+    Bodies tied by joints vibrate together, as contact will make them. If this leaves some of them adrift
+    (a body that could roll or slide), each counts alone. inf if every degree of freedom is held.
     """
     found: list[float] = []
     for group in _tied_together(bodies, joints):
@@ -50,13 +50,13 @@ def lowest_frequency(
 
 
 def _alone(body: Body, positions: Floats, mass: Floats, fixed: Ints, directions: Floats) -> float:
-    """Frequency of a body by itself; one that its supports leave adrift is stretched evenly."""
+    """Return the frequency of a body alone; a body adrift on its supports is stretched evenly."""
     found = _frequency([body], positions, mass, fixed, directions, NO_JOINTS)
     if found is not None:
         return found
     own = _free([body], fixed)
     nodal = np.repeat(mass, 2)[own]
-    # an even stretch about the centre of mass: how neighbours squeeze a body that nothing else holds
+    # an even stretch about the centre of mass: compression by neighbours of a body that nothing else holds
     x = positions.reshape(-1)[own]
     centre = [(x * nodal)[own % 2 == c].sum() / max(nodal[own % 2 == c].sum(), 1e-300) for c in range(2)]
     return _rayleigh(_stiffness([body], positions)[own][:, own], nodal, [np.asarray(x - np.asarray(centre)[own % 2])])
@@ -65,10 +65,10 @@ def _alone(body: Body, positions: Floats, mass: Floats, fixed: Ints, directions:
 def _frequency(
     bodies: Sequence[Body], positions: Floats, mass: Floats, fixed: Ints, directions: Floats, joints: Joints
 ) -> float | None:
-    """Rayleigh's method for bodies as joints tie them; None where they are adrift.
+    """Apply Rayleigh's method to bodies tied by joints; None if they are adrift.
 
     The deflection u under its own inertia forces in a direction gives w^2 = u K u / u M u, a few per cent above the
-    mode's own. `fixed` dofs (2 * node + component) are held.
+    mode's frequency. `fixed` dofs (2 * node + component) are held.
     """
     own = _free(bodies, fixed)
     if not len(own):
@@ -88,7 +88,7 @@ def _rayleigh(stiffness: Any, nodal: Floats, shapes: Sequence[Floats]) -> float:
 
 
 def _free(bodies: Sequence[Body], fixed: Ints) -> Ints:
-    """Degrees of freedom of the bodies that nothing holds, ascending."""
+    """Return degrees of freedom of the bodies that nothing holds, ascending."""
     nodes = np.unique(np.concatenate([body.cells.ravel() for body in bodies]))
     return np.asarray(np.setdiff1d((2 * nodes[:, None] + np.arange(2)).ravel(), fixed))
 
@@ -106,7 +106,7 @@ def _stiffness(bodies: Sequence[Body], positions: Floats) -> Any:
 
 
 def _summed(rows: Any, columns: Any, values: Floats, shape: tuple[int, int]) -> Any:
-    """A matrix from its entries, those of one place added up: dense where it is small, else sparse by columns."""
+    """Return a matrix from its entries, with duplicates summed: dense if small, else sparse by columns."""
     if max(shape) <= SMALL:
         place = rows.astype(np.int64) * shape[1] + columns
         return np.bincount(place, values, shape[0] * shape[1]).reshape(shape)
@@ -116,7 +116,7 @@ def _summed(rows: Any, columns: Any, values: Floats, shape: tuple[int, int]) -> 
 
 
 def _solved(stiffness: Any, forces: Sequence[Floats]) -> list[Floats]:
-    """Displacements under each of the forces."""
+    """Return displacements under each of the forces."""
     if isinstance(stiffness, np.ndarray):
         return list(np.linalg.solve(stiffness, np.stack(forces, axis=1)).T)
     from scipy.sparse.linalg import splu
@@ -125,7 +125,7 @@ def _solved(stiffness: Any, forces: Sequence[Floats]) -> list[Floats]:
 
 
 def _springs(bodies: Sequence[Body], joints: Joints, stiffness: float, size: int) -> Any:
-    """Stiff springs in both directions at the joints of these bodies."""
+    """Return stiff springs in both directions at the joints of these bodies."""
     mine = np.isin(joints.node, _nodes(bodies)) | np.isin(joints.ends, _nodes(bodies)).any(axis=1)
     node, ends, share = joints.node[mine], joints.ends[mine], joints.share[mine]
     count = len(node)
@@ -143,7 +143,7 @@ def _nodes(bodies: Sequence[Body]) -> Ints:
 
 
 def _tied_together(bodies: Sequence[Body], joints: Joints) -> list[list[Body]]:
-    """Bodies in groups that joints connect; rigid surfaces, which hold on to nothing, connect none."""
+    """Return groups of bodies connected by joints; rigid surfaces, which hold on to nothing, connect none."""
     first = np.array([body.first for body in bodies])
     last = np.array([body.first + body.count for body in bodies])
     of = [np.searchsorted(first, nodes, side="right") - 1 for nodes in (joints.node, joints.ends[:, 0])]
@@ -155,7 +155,7 @@ def _tied_together(bodies: Sequence[Body], joints: Joints) -> list[list[Body]]:
 
 
 def _adrift(bodies: Sequence[Body], stiffness: Any, positions: Floats, nodal: Floats, own: Ints) -> bool:
-    """Whether supports and joints leave some rigid motion of the bodies, which costs no energy."""
+    """Return whether supports and joints leave some rigid motion of the bodies, which costs no energy."""
     modes = []
     for body in bodies:
         mine = (own >= 2 * body.first) & (own < 2 * (body.first + body.count))

@@ -9,7 +9,7 @@ from contactlab.kernels.size import inverse_size_squared
 from contactlab.model.bodies.body import BodyForces
 from contactlab.model.bodies.stiffness import cell_frequencies
 
-DRIFT = 1.1  # change of a cell's size beyond which its frequency is computed anew instead of scaled
+DRIFT = 1.1  # change of a cell's size beyond which its frequency is recomputed instead of scaled
 
 
 class StableStep:
@@ -24,7 +24,7 @@ class StableStep:
         self.cell, self.latest = 0, float("inf")
 
     def _refresh(self, positions: Floats, growth: Floats) -> None:
-        """Compute frequencies anew for the cells whose size has drifted."""
+        """Recompute frequencies of the cells whose size has drifted."""
         drifted = np.flatnonzero((growth > DRIFT) | (growth < 1.0 / DRIFT)).astype(np.int32)
         if len(drifted):
             self.frequency[drifted] = cell_frequencies(self.body, positions, drifted)
@@ -32,7 +32,7 @@ class StableStep:
             growth[drifted] = 1.0
 
     def limit(self, positions: Floats) -> float:
-        """Largest stable step [s] at `positions` (N, 2)."""
+        """Return the largest stable step [s] at `positions` (N, 2)."""
         if not self.moving:
             return self._found(self.frequency**2)
         inverse_size_squared(positions, self.body.cells, self.size)
@@ -41,7 +41,7 @@ class StableStep:
         return self._found(self.frequency**2 * growth * self._stiffening())
 
     def _found(self, squares: Floats) -> float:
-        """The limit of squared frequencies (n,); `latest` and `cell` tell it and its place afterwards."""
+        """Return the limit from squared frequencies (n,), and store it and its place in `latest` and `cell`."""
         self.cell = int(np.argmax(squares))
         self.latest = float(2.0 / np.sqrt(squares[self.cell]))
         return self.latest

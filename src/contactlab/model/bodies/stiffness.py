@@ -19,7 +19,7 @@ CellForces = Callable[[Floats, Floats, Ints, Floats, Floats], None]
 
 
 def cell_stiffness(body: Body, positions: Floats) -> Floats:
-    """Stiffness matrices (n, 2a, 2a) [N/mm] at `positions` (N, 2), moduli from the law's wave speeds.
+    """Return stiffness matrices (n, 2a, 2a) [N/mm] at `positions` (N, 2), moduli from the law's wave speeds.
 
     Column by column through the element's own kernels for small strains, so that averaged strains and
     stabilisation count as they do in a run.
@@ -38,14 +38,14 @@ def cell_stiffness(body: Body, positions: Floats) -> Floats:
 
 
 def _hooke(strain: Floats, lame: float, shear: float) -> Floats:
-    """Stress rows (4, P) from du/dx rows."""
+    """Return stress rows (4, P) from du/dx rows."""
     xx, xy, yx, yy = strain
     pressure = lame * (xx + yy)
     return np.stack([pressure + 2.0 * shear * xx, pressure + 2.0 * shear * yy, pressure, shear * (xy + yx)])
 
 
 def _by_columns(body: Body, positions: Floats, forces: CellForces) -> Floats:
-    """Matrices (n, 2a, 2a) of linear cell forces, by one unit displacement at a time of cells that share no nodes."""
+    """Return matrices (n, 2a, 2a) of linear cell forces, by unit displacements of cells that share no nodes."""
     n, a = body.cells.shape
     matrices = np.empty((n, a, 2, a, 2))
     for begin in range(0, n, CHUNK):
@@ -64,12 +64,12 @@ def _by_columns(body: Body, positions: Floats, forces: CellForces) -> Floats:
 
 
 def cell_masses(body: Body) -> Floats:
-    """Lumped mass (n, a) [t] that each cell gives to its nodes."""
+    """Return the lumped mass (n, a) [t] of each cell on its nodes."""
     return body.material.density * cell_measures(body.mesh, body.element)
 
 
 def cell_frequencies(body: Body, positions: Floats, which: Ints | None = None) -> Floats:
-    """Highest circular frequency [1/s] of each cell, or of cells `which`, alone; their maximum bounds the whole."""
+    """Return the highest frequency [1/s] of each cell, or of cells `which`; their maximum bounds the whole."""
     which = np.arange(len(body.cells), dtype=np.int32) if which is None else which
     scale = 1.0 / np.sqrt(np.repeat(cell_masses(body)[which], 2, axis=1))
     highest = np.empty(len(which))

@@ -1,16 +1,16 @@
 """Flow within an implicit step, integrated to second order along the straight path of the deformation.
 
 A law that flows takes one implicit Euler step (`Material.implicit_euler`): it sees the end of the step alone, and flows
-in the direction of that end as if it had done so all the time. Where the direction turns, its error is first order in
-the step. Here the law is asked at points on the path from start to end as well. Each of `PARTS` equal parts of the path
+in the direction of the end throughout the step. If the direction turns, its error is first order in
+the step. Here the law is also evaluated on the path from start to end. Each of `PARTS` equal parts of the path
 is one step of the stiffly accurate, L-stable Runge-Kutta method of second order with the stages
 
     h1 = h0 + c k1,   h = h0 + b1 k1 + b2 k2,     c = 1/4, b1 = 2/3, b2 = 1/3
 
 (k: change of the history in the part, at the rate of each stage). Both are implicit Euler steps of the law: the second
-starts from h0 + b1/c (h1 - h0), so that stresses at the end fulfil the law's own conditions, such as that of yielding
+starts from h0 + b1/c (h1 - h0), so that stresses at the end fulfil the law's own equations, such as yielding
 (Ellsiepen & Hartmann 2001, Int. J. Numer. Meth. Engng 51, 679; Hairer & Wanner 1996, IV.6). On a straight path flow
-that has begun does not end before the path does, so that this extrapolation cannot overshoot.
+that has begun lasts until the end of the path, so that this extrapolation cannot overshoot.
 
 Between the deformation gradients F0 and F1 the path is F(s) = (F1 F0^-1)^s F0: its velocity gradient is constant. A
 rigid rotation stays one, and a stretch or simple shear passes through smaller ones. "small" laws go straight in du/dX.
@@ -24,7 +24,7 @@ from contactlab.api import Floats, Ints, Material
 
 PARTS = 2
 STAGE, WEIGHT, LAST = 0.25, 2.0 / 3.0, 1.0 / 3.0  # c, b1, b2
-STEP = 1e-8  # of differences of stresses: truncation is this over the elastic strain, cancellation as small
+STEP = 1e-8  # of differences of stresses: truncation is this over the elastic strain, cancellation similar
 
 
 class StraightPath:
@@ -39,7 +39,7 @@ class StraightPath:
         self.start: Floats | None = None
 
     def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
-        """As `Material.stress`, after a step of length dt [s] from `start`. The histories are different arrays."""
+        """Compute `Material.stress`, after a step of length dt [s] from `start`. The histories are different arrays."""
         self.law.stress(gradient, history, dt, stress, new_history)
         if self.start is None:
             return
@@ -49,7 +49,7 @@ class StraightPath:
             stress[:, flowing], new_history[:, flowing] = self._follow(path, history.take(flowing, axis=1), dt)
 
     def tangent(self, gradient: Floats, history: Floats, dt: float, tangent: Floats) -> None:
-        """As `Material.tangent`: that of the law where nothing flows, differences of the path's end where it does."""
+        """Compute `Material.tangent`: the law's tangent without flow, differences of the path's end with flow."""
         if self.start is None:
             self.law.tangent(gradient, history, dt, tangent)
             return
@@ -69,7 +69,7 @@ class StraightPath:
             end[j] = gradient[j]
 
     def _follow(self, path: Path, history: Floats, dt: float) -> tuple[Floats, Floats]:
-        """Stress (4, P) and history (h, P) at the end of the path."""
+        """Return stress (4, P) and history (h, P) at the end of the path."""
         law, stress = self.law, np.empty_like(path.end)
         stage, history = np.empty_like(history), history.copy()
         for number in range(PARTS):
@@ -81,17 +81,17 @@ class StraightPath:
 
 
 class Path:
-    """Gradients between those at the start and at the end of a step, at some of their points."""
+    """Gradients between the start and the end of a step, at some of their points."""
 
     def __init__(self, law: Material, start: Floats, end: Floats, points: Ints) -> None:
         self.start, self.end = start.take(points, axis=1), end.take(points, axis=1)
         self.turns = law.kinematics == "finite"
         if self.turns:
             self.change = _product(_inverse(self.start), self.end)  # F0 F1^-1
-            self.roots = [self.change]  # each the square root of the one before
+            self.roots = [self.change]  # each the square root of the last
 
     def at(self, part: float) -> Floats:
-        """Gradient (4, P) after a part of the path: a multiple of an eighth, or so of any power of two."""
+        """Return the gradient (4, P) after a part of the path: a multiple of an eighth, or of any power of two."""
         if part == 1.0:
             return self.end
         if not self.turns:
@@ -107,12 +107,12 @@ class Path:
 
 
 def _changed(history: Floats, new_history: Floats) -> Ints:
-    """Points at which a step changed the history."""
+    """Return points at which a step changed the history."""
     return np.flatnonzero((history != new_history).any(axis=0)).astype(np.int32)
 
 
 def _product(a: Floats, b: Floats) -> Floats:
-    """Products of matrices given by rows xx, xy, yx, yy (4, P)."""
+    """Return products of matrices given by rows xx, xy, yx, yy (4, P)."""
     return np.stack([
         a[0] * b[0] + a[1] * b[2], a[0] * b[1] + a[1] * b[3], a[2] * b[0] + a[3] * b[2], a[2] * b[1] + a[3] * b[3]
     ])  # fmt: skip
@@ -123,9 +123,9 @@ def _inverse(a: Floats) -> Floats:
 
 
 def _root(a: Floats) -> Floats:
-    """Principal square roots: (A + d I)/sqrt(tr A + 2 d), d = sqrt(det A) (Cayley & Hamilton).
+    """Return principal square roots: (A + d I)/sqrt(tr A + 2 d), d = sqrt(det A) (Cayley & Hamilton).
 
-    Folded states have none; they are met in trials that are taken back, and get a finite number.
+    Folded states have none; they occur in trials that are undone, and get a finite number.
     """
     middle = np.sqrt(np.maximum(a[0] * a[3] - a[1] * a[2], 0.0))
     out = a.copy()

@@ -15,7 +15,7 @@ KIND = {"small": kernels.SMALL, "finite": kernels.FINITE, "rate": kernels.RATE}
 
 
 class Tangent:
-    """One sparse pattern for the whole run; `assemble` renews the values."""
+    """Stiffness with one sparse pattern for the whole run; `assemble` renews the values."""
 
     def __init__(self, nodes: int, forces: tuple[BodyForces, ...]) -> None:
         self.pattern = Pattern(nodes, [block.connectivity for body in forces for block in body.blocks])
@@ -24,7 +24,7 @@ class Tangent:
         )
 
     def assemble(self, dt: float) -> csc_array:
-        """Stiffness (2N, 2N) at the last update of stresses, which a step `dt` led to; the same arrays every call."""
+        """Return stiffness (2N, 2N) at the last update of stresses, after a step `dt`; the same arrays every call."""
         self.pattern.data[:] = 0.0
         pairs = iter(self.pattern.pairs)
         for body in self.bodies:
@@ -34,7 +34,7 @@ class Tangent:
 
 
 class Pattern:
-    """Where the 2x2 entries of every pair of nodes that share a cell stand in a matrix stored by columns."""
+    """Positions of the 2x2 entries of all pairs of nodes that share a cell in a matrix stored by columns."""
 
     def __init__(self, nodes: int, connectivities: list[Ints]) -> None:
         keys = [_pair_keys(connectivity, nodes) for connectivity in connectivities]
@@ -53,11 +53,11 @@ class Pattern:
                 index[self.place + i + k * self.stride] = 2 * row + i
         start = np.concatenate([[0], np.cumsum(np.repeat(2 * count, 2))]).astype(np.int32)
         self.matrix = csc_array((self.data, index, start), shape=(2 * nodes, 2 * nodes))
-        # SciPy may copy what it is given
+        # SciPy may copy its arguments
         self.data = self.matrix.data
 
     def place_of(self, row: Ints, column: Ints) -> Ints:
-        """Where entries of these degrees of freedom, of nodes that share a cell, stand in the matrix's data."""
+        """Return positions in the matrix's data of entries of these degrees of freedom, of nodes that share a cell."""
         (n, i), (m, k) = np.divmod(row, 2), np.divmod(column, 2)
         pair = np.searchsorted(self.keys, m.astype(np.int64) * self.nodes + n)
         place: Ints = self.place[pair] + i + k * self.stride[pair]
@@ -65,7 +65,7 @@ class Pattern:
 
 
 def _pair_keys(connectivity: Ints, nodes: int) -> Ints:
-    """column * nodes + row of every pair of a block's cells (B, a, a), [cell, row, column]."""
+    """Return column * nodes + row of every pair of a block's cells (B, a, a), [cell, row, column]."""
     cells = connectivity.T.astype(np.int64)
     return cells[:, None, :] * nodes + cells[:, :, None]
 
@@ -103,9 +103,9 @@ class BodyTangent:
 
 
 def follows_tables(body: Body) -> bool:
-    """Whether an element's own kernels do what its tables say, tried on one distorted cell.
+    """Return whether an element's own kernels agree with its tables, tested on one distorted cell.
 
-    They may be the same element written faster, or another one: F-bar, hourglass control.
+    They may be the same element written faster, or a different element: F-bar, hourglass control.
     """
     element = body.element
     own = element.block_kernels(body.material.kinematics)

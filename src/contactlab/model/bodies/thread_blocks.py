@@ -1,8 +1,8 @@
-"""Blocks of cells side by side: which may add their forces at the same time, and the threads that do it.
+"""Parallel blocks of cells: which may add their forces at the same time, and their threads.
 
 Blocks that share a node must add to it one after another, always in the same order, or the last digit of the sum
-would depend on which thread was first. Blocks get colours: two of one colour share no node. Colours are done one
-after another, whether by one thread or by many, so that results are the same to the last bit.
+would depend on the order of threads. Blocks get colours: two of one colour share no node. Colours are done one
+after another, by one thread or by many, so that results are the same to the last bit.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _COLOURS = 64  # as many as an integer has bits; blocks that find none free come
 
 
 def colours(blocks: Sequence[Ints], nodes: int) -> list[int]:
-    """A colour for every block, given by its connectivity (a, B), the first that none of its neighbours has."""
+    """Return a colour for every block, given by its connectivity (a, B), the first that none of its neighbours has."""
     taken = np.zeros(nodes, np.uint64)
     found = []
     for number, cells in enumerate(blocks):
@@ -34,7 +34,7 @@ def colours(blocks: Sequence[Ints], nodes: int) -> list[int]:
 
 
 def threads_of_blocks(found: Sequence[int], threads: int, first: int = 0) -> list[int]:
-    """The thread of every block: those of one colour are dealt out in turns, beginning with thread `first`."""
+    """Return the thread of every block: blocks of one colour are dealt out alternately, from thread `first` on."""
     seen: dict[int, int] = {}
     block_threads = []
     for colour in found:
@@ -46,7 +46,7 @@ def threads_of_blocks(found: Sequence[int], threads: int, first: int = 0) -> lis
 def in_order(
     updates: Sequence[Update], found: Sequence[int], block_threads: Sequence[int], threads: int
 ) -> tuple[Update, ...]:
-    """Calls to be made one after another: the updates by colour, or with several threads one call for each colour."""
+    """Return calls in order of execution: the updates by colour, or with several threads one call for each colour."""
     by_colour = sorted(range(len(updates)), key=lambda number: found[number])
     if threads == 1:
         return tuple(updates[number] for number in by_colour)
@@ -70,7 +70,7 @@ class Threads:
         self.pool = ThreadPoolExecutor(threads - 1, thread_name_prefix="contactlab-cells")
 
     def together(self, shares: Sequence[Sequence[Update]]) -> Update:
-        """One call that makes those of every share in turn, the shares side by side; it ends when all are done."""
+        """Return one call that runs the shares in parallel, each in order; it ends when all are done."""
         own, others = shares[0], shares[1:]
         submit = self.pool.submit
 
@@ -80,7 +80,7 @@ class Threads:
                 _run(own, dt)
             finally:
                 for other in waiting:
-                    other.exception()  # nobody goes on while a share still writes
+                    other.exception()  # wait while a share still writes
             for other in waiting:
                 other.result()
 

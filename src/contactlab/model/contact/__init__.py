@@ -1,1 +1,1 @@
-"""Contact: surfaces, pairs, gap conditions, and their linearisation."""
+"""Contact: surfaces, pairs, gap constraints, and their linearisation."""

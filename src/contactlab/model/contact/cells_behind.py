@@ -1,4 +1,4 @@
-"""What lies behind contact surfaces: stiffness of cells, and lengths over masses."""
+"""Cells behind contact surfaces: their stiffness, and lengths over masses."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def edges_behind(surface: Surface, bodies: tuple[Body, ...]) -> Iterator[EdgesBe
 
 
 def stiffness_behind(surface: Surface, bodies: tuple[Body, ...], positions: Floats) -> Floats:
-    """Dilatational modulus over the depth of the cells behind the nodes of a surface (m,) [MPa/mm].
+    """Return the dilatational modulus over the depth of the cells behind the nodes of a surface (m,) [MPa/mm].
 
     The depth of a cell is its area over the length of its edge; inf for nodes of rigid surfaces.
     """
@@ -64,12 +64,12 @@ def stiffness_behind(surface: Surface, bodies: tuple[Body, ...], positions: Floa
 
 
 def in_series(slave: Floats, master: Floats) -> Floats:
-    """Stiffness (m,) [MPa/mm] of the cells on both sides of the slave's nodes; the master's is its mean."""
+    """Return the stiffness (m,) [MPa/mm] of the cells on both sides of the slave's nodes; the master's is its mean."""
     return np.asarray(1.0 / (1.0 / slave + (1.0 / master).mean()))
 
 
 def length_over_mass(surface: Surface, positions: Floats, mass: Floats) -> float:
-    """Largest length of surface over mass [mm/t] of a node; 0 for rigid surfaces, whose nodes have no mass."""
+    """Return the largest length of surface over mass [mm/t] of a node; 0 for rigid surfaces without mass."""
     x = positions[surface.nodes[surface.segments]]
     half = 0.5 * np.hypot(*(x[:, 1] - x[:, 0]).T)
     length = np.zeros(len(surface.nodes))

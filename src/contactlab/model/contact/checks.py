@@ -1,4 +1,4 @@
-"""What two contact surfaces must be to each other before a run."""
+"""Checks of two contact surfaces against each other before a run."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from contactlab.model.contact.plan import ContactPlan
 
 DEEP = 0.1  # segment lengths that a curved surface may cut into another without any overlap of the true shapes
-FACING = 64  # slave segments, from all over the surface, that are held against all of the master at a time
+FACING = 64  # slave segments, from all over the surface, compared with all of the master at a time
 ROUND = 1e-9  # relative
 LAWS = "linear-pressure, exponential-pressure, tabular-pressure"
 ALIKE = 0.5  # cosine of the angle between normals of sides that look the same way
@@ -31,12 +31,12 @@ TOO_DEEP = 1.0  # segment lengths beyond which no treatment of an overlap is tri
 
 
 def check_facing(slave: Surface, master: Surface, positions: Floats, sides: tuple[str, str], where: Where) -> None:
-    """Raise SceneError where no part of the slave looks at any part of the master."""
+    """Raise SceneError if no part of the slave faces any part of the master."""
     reach = _longest(slave, master, positions)
     nearest = _most_ahead(_middles(slave, positions), _middles(master, positions), -reach)
     if nearest == -np.inf:
         raise SceneError(
-            f"{sides[0]} and {sides[1]} turn their backs on each other: no part of one looks at a part of the other",
+            f"{sides[0]} and {sides[1]} face away from each other: no pair of segments has opposed normals",
             where=where,
             got=list(sides),
             allowed="surfaces whose outward normals are opposed somewhere",
@@ -44,7 +44,7 @@ def check_facing(slave: Surface, master: Surface, positions: Floats, sides: tupl
         )
     if nearest < -reach:
         raise SceneError(
-            f"{sides[0]} and {sides[1]} look away from each other, or overlap by more than a segment",
+            f"{sides[0]} and {sides[1]} face away from each other, or overlap by more than a segment",
             where=where,
             got=f"{-nearest:.4g} mm behind each other at the nearest place",
             allowed="surfaces that have each other in front of them",
@@ -53,10 +53,10 @@ def check_facing(slave: Surface, master: Surface, positions: Floats, sides: tupl
 
 
 def _most_ahead(slave: tuple[Floats, Floats], master: tuple[Floats, Floats], enough: float) -> float:
-    """How far the master lies ahead of the slave, most of all segments that look at each other; -inf where none do.
+    """Return how far the master lies ahead of the slave, the most of all facing segments; -inf if none face.
 
-    Slave segments are taken some at a time, from all over the surface, and the search ends where `enough` is found: a
-    surface that is as it should be costs memory and time in proportion to its segments, a wrong one time alone.
+    Slave segments are processed in groups from all over the surface, and the search ends when `enough` is found: a
+    correct surface costs memory and time in proportion to its segments, a wrong surface time alone.
     """
     (at, outward), (other, other_outward) = slave, master
     strides = max(1, len(at) // FACING)
@@ -74,7 +74,7 @@ def _most_ahead(slave: tuple[Floats, Floats], master: tuple[Floats, Floats], eno
 def check_solid_side(
     slave: Surface, rigid: Mapping[str, Floats], masters: tuple[str, ...], positions: Floats, side: str, where: Where
 ) -> None:
-    """Raise SceneError where all of the slave lies in the solid of a rigid surface: its points run the wrong way.
+    """Raise SceneError if all of the slave lies in the solid of a rigid surface: its points run the wrong way.
 
     rigid  (s, 2, 2) [mm] ends of the segments of each rigid surface of the scene, of which some are `masters`
     """
@@ -90,10 +90,10 @@ def check_solid_side(
 
 
 def _depth_behind(slave: Surface, name: str, rigid: Mapping[str, Floats], positions: Floats) -> float | None:
-    """How deep [mm] a slave lies in the solid of a surface, None where some of it lies in front or may overlap.
+    """Return how deep [mm] a slave lies in the solid of a surface; None if some of it is in front or may overlap.
 
-    What lies in front of other faces of the same solid, or on them, counts as neither. Less than a segment is an
-    overlap, unless the nearest segment looks the same way as the surface.
+    Points in front of other faces of the same solid, or on them, count as neither. Less than a segment is an
+    overlap, unless the nearest segment faces the same way as the surface.
     """
     line = rigid[name]
     others = np.concatenate([np.zeros((0, 2, 2)), *(rigid[other] for other in rigid if other != name)])
@@ -113,7 +113,7 @@ def _depth_behind(slave: Surface, name: str, rigid: Mapping[str, Floats], positi
 
 
 def _behind_others(points: Floats, nearest: Floats, segments: Floats) -> Flags:
-    """Whether the way from each point to its nearest place (n, 2) enters the solid of one of the segments (s, 2, 2)."""
+    """Return whether the line from each point to its nearest place (n, 2) enters the solid of a segment (s, 2, 2)."""
     a, along = segments[:, 0], segments[:, 1] - segments[:, 0]
     outward = np.stack([along[:, 1], -along[:, 0]], axis=1)
     before, after = (np.einsum("nsi,si->ns", at[:, None] - a, outward) for at in (points, nearest))
@@ -126,7 +126,7 @@ def _behind_others(points: Floats, nearest: Floats, segments: Floats) -> Flags:
 
 
 def _heights(points: Floats, segments: Floats) -> tuple[Floats, Floats, Floats]:
-    """Height [mm] of each point over the nearest of the segments (s, 2, 2), below zero on its left.
+    """Return the height [mm] of each point over the nearest of the segments (s, 2, 2), below zero on its left.
 
     With the nearest places (n, 2) [mm], and the segments' outward normals (n, 2) there.
     """
@@ -140,20 +140,20 @@ def _heights(points: Floats, segments: Floats) -> tuple[Floats, Floats, Floats]:
         distance = np.hypot(*apart.T)
         height = (apart[:, 0] * along[:, 1] - apart[:, 1] * along[:, 0]) / length
         nearest = np.flatnonzero(distance <= distance.min() * (1.0 + ROUND))
-        best = nearest[np.abs(height[nearest]).argmax()]  # two beside a vertex: the one that sees the point best
+        best = nearest[np.abs(height[nearest]).argmax()]  # two at a vertex: the segment that faces the point best
         out[number], feet[number], normals[number] = height[best], point - apart[best], outward[best]
     return out, feet, normals
 
 
 class JoinedStretches:
-    """Which stretches of two surfaces contacts join: two contacts of the same stretches would press twice."""
+    """Stretches of two surfaces joined by contacts: two contacts of the same stretches would press twice."""
 
     def __init__(self) -> None:
         self.known: list[tuple[ContactPlan, set[tuple[int, int]]]] = []
         self.by_slave: dict[tuple[int, int], list[int]] = {}
 
     def add(self, plan: ContactPlan, where: Where) -> None:
-        """Take in one more contact. Raises SceneError where another one joins the same stretches."""
+        """Add a contact. Raises SceneError if another contact joins the same stretches."""
         slave, master = _segments_of(plan.slave), _segments_of(plan.master)
         for own, opposite in ((slave, master), (master, slave)):
             for number in sorted({number for segment in own for number in self.by_slave.get(segment, ())}):
@@ -162,8 +162,8 @@ class JoinedStretches:
                     raise SceneError(
                         f"{other.name} joins parts of these surfaces already, which would be counted twice",
                         where=where,
-                        got=f"{plan.sides[0]} and {plan.sides[1]} beside {other.sides[0]} and {other.sides[1]}",
-                        allowed="every stretch of a surface in one contact with the same other one",
+                        got=f"{plan.sides[0]} and {plan.sides[1]} next to {other.sides[0]} and {other.sides[1]}",
+                        allowed="every stretch of a surface in one contact with the same other surface",
                         hint="take one of the contacts out, or name edge sets that share no edge ([bodies.NAME.sets])",
                     )
         for segment in slave:
@@ -178,11 +178,11 @@ def _segments_of(surface: Surface) -> set[tuple[int, int]]:
 def check_overlap(
     slave: Surface, master: Surface, bodies: tuple[Body, ...], positions: Floats, treated: bool, where: Where
 ) -> None:
-    """Raise SceneError where nodes of one side lie deep inside the body of the other."""
+    """Raise SceneError if nodes of one side lie deep inside the body of the other."""
     size = _longest(slave, master, positions)
     for inner, outer in ((slave, master), (master, slave)):
         number = bisect_right(bodies, outer.nodes[0], key=lambda body: body.first + body.count)
-        for body in bodies[number : number + 1]:  # none where it is a rigid surface
+        for body in bodies[number : number + 1]:  # none for a rigid surface
             nodes = inner.nodes[(inner.nodes < body.first) | (inner.nodes >= body.first + body.count)]
             depth = depths_inside(positions[nodes], positions, outer_edges(body.cells, body.element))
             worst = int(np.argmax(depth)) if len(depth) else 0
@@ -191,24 +191,24 @@ def check_overlap(
 
 
 def overlap_error(depth: float, at: Floats, inside: str, treated: bool, where: Where) -> SceneError:
-    """Make the error for surfaces that overlap before the run."""
+    """Return the error for surfaces that overlap before the run."""
     hint = "move a body with shift"
     if not treated:
         hint += (
-            ', or write start = { overlap = "ramp" } or { overlap = "adjust" }, or { gap = "zero" } where '
+            ', or write start = { overlap = "ramp" } or { overlap = "adjust" }, or { gap = "zero" } if '
             "curved sides fit and their facets alone overlap"
         )
     return SceneError(
         "slave and master overlap before the run" + (", too deep for any treatment" if treated else ""),
         where=where,
         got=f"{depth:.4g} mm at ({at[0]:.6g}, {at[1]:.6g}), inside {inside}",
-        allowed="surfaces that touch or have a gap" + ("" if treated else ", unless the contact says what to do"),
+        allowed="surfaces that touch or have a gap" + ("" if treated else ", unless the contact gives a treatment"),
         hint=hint,
     )
 
 
 def refuse_held_slave(slave: Surface, immobile: Flags, name: str, where: Where) -> None:
-    """Raise SceneError where no node of the slave can move."""
+    """Raise SceneError if no node of the slave can move."""
     if immobile[slave.nodes].all():
         raise SceneError(
             "every node of the slave is held by supports, so its multipliers have nothing to act on",
@@ -220,7 +220,7 @@ def refuse_held_slave(slave: Surface, immobile: Flags, name: str, where: Where) 
 
 
 def _middles(surface: Surface, positions: Floats) -> tuple[Floats, Floats]:
-    """Middle and outward unit normal (s, 2) of every segment."""
+    """Return middle and outward unit normal (s, 2) of every segment."""
     a, b = (positions[surface.nodes[surface.segments[:, i]]] for i in range(2))
     along = b - a
     return 0.5 * (a + b), np.stack([along[:, 1], -along[:, 0]], axis=1) / np.hypot(*along.T)[:, None]
@@ -233,7 +233,7 @@ def _longest(slave: Surface, master: Surface, positions: Floats) -> float:
 def refuse_half_passes(
     spec: Any, enforcement: Enforcement, friction: FrictionLaw | None, rigid: str, where: Where
 ) -> None:
-    """Raise PartError or SceneError for a contact that two half passes cannot be made of.
+    """Raise PartError or SceneError for a contact that does not allow two half passes.
 
     rigid  the name of a side that is rigid, or nothing
     """
@@ -251,7 +251,7 @@ def refuse_half_passes(
         )  # fmt: skip
     if friction is not None and friction.varies:
         raise PartError(
-            "this friction law follows the motion, and friction of half passes is that of springs with constant bounds",
+            "this friction law follows the motion, and friction of half passes uses springs with constant bounds",
             where=below(where, "friction"), got=spec.friction, allowed="a law without needs and memory, as coulomb",
             hint="take passes = 1, or a mortar, for this law",
         )  # fmt: skip

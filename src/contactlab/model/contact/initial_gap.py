@@ -1,4 +1,4 @@
-"""Overlaps and small gaps that the meshes have before the run, and what a contact does about them."""
+"""Overlaps and small gaps of the meshes before the run, and their treatment by a contact."""
 
 from __future__ import annotations
 
@@ -24,19 +24,19 @@ if TYPE_CHECKING:
     from contactlab.errors import Where
     from contactlab.model.loading.rigid import RigidSurface
 
-ROUND = 1e-6  # segment lengths: pushing so little out in one step costs a millionth of the wave speed
+ROUND = 1e-6  # segment lengths: pushing this out in one step costs a millionth of the wave speed
 SETTLED = 1e-12  # segment lengths left after an adjustment
 ROUNDS = 60
 FEWEST_STEPS = 100
-CURVED = 0.05  # of the depth of facets: what a parabola through three nodes may leave of a curve
+CURVED = 0.05  # of the depth of facets: error of a parabola through three nodes of a curve
 
 
 def adjusted_bodies(
     bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...], plans: tuple[Any, ...]
 ) -> tuple[Body, ...]:
-    """The bodies with slave nodes moved onto their masters, for contacts that ask for it.
+    """Return the bodies with slave nodes moved onto their masters, for contacts that request it.
 
-    A node moves along its normal until its own gap condition is zero; the moved mesh is the undeformed one,
+    A node moves along its normal until its own gap constraint is zero; the moved mesh is the undeformed mesh,
     so nothing is strained.
     """
     asked = [plan for plan in plans if plan.start.overlap == "adjust"]
@@ -85,7 +85,7 @@ def _adjust(plan: Any, positions: Floats) -> None:
 
 
 def moved_body(body: Body, positions: Floats, where: Where) -> Body:
-    """The body with its nodes at `positions` (N, 2) of the model; raises SceneError where a cell turns over."""
+    """Return the body with its nodes at `positions` (N, 2) of the model; SceneError if a cell turns over."""
     nodes = np.ascontiguousarray(positions[body.first : body.first + body.count])
     moved = replace(body, mesh=replace(body.mesh, nodes=nodes))
     folded = inverted_cells(moved.mesh, body.element)
@@ -101,10 +101,10 @@ def moved_body(body: Body, positions: Floats, where: Where) -> Body:
 
 
 def refuse_overlap(plan: Any, pair: Any, bodies: tuple[Body, ...], positions: Floats) -> None:
-    """Raise SceneError for an overlap that the contact does not say how to treat.
+    """Raise SceneError for an overlap without a treatment in the contact.
 
-    Both must tell it: the shapes, and the algorithm that would push it out. A weighted gap alone may be a
-    little negative where nothing overlaps, a shape alone where curved surfaces have different chords. If both do, and
+    Both must show it: the shapes, and the algorithm that would push it out. A weighted gap alone may be slightly
+    negative without overlap, a shape alone if curved surfaces have different chords. If both do, and
     no node lies within the curve of the other side, facets of curves that fit overlap: distances of the curves count.
     """
     treated = plan.start.overlap == "ramp" or plan.start.gap == "zero"
@@ -125,7 +125,7 @@ def refuse_overlap(plan: Any, pair: Any, bodies: tuple[Body, ...], positions: Fl
 
 
 def _made_by_facets(pair: ContactPair, positions: Floats) -> Floats:
-    """What facets make of the distances (k,) [mm] between fitting curves, whose clearance is known at the nodes."""
+    """Return distances (k,) [mm] by facets between fitting curves, whose clearance is known at the nodes."""
     slave, master = pair.slave, pair.master
     clearance = distances_to_curve(positions[slave.nodes], master, positions, positions)
     clearance[clearance < _uncertain(pair, master, positions)] = 0.0
@@ -136,7 +136,7 @@ def _made_by_facets(pair: ContactPair, positions: Floats) -> Floats:
 
 
 def _curves_fit(pair: ContactPair, positions: Floats) -> bool:
-    """Whether no node of either side lies within the curve of the other: facets alone overlap."""
+    """Return whether no node of both sides lies within the curve of the other: facets alone overlap."""
     for own, other in ((pair.slave, pair.master), (pair.master, pair.slave)):
         deepest = float(distances_to_curve(positions[own.nodes], other, positions, positions).min())
         if deepest < -_uncertain(pair, other, positions):
@@ -145,23 +145,23 @@ def _curves_fit(pair: ContactPair, positions: Floats) -> bool:
 
 
 def _uncertain(pair: ContactPair, other: Surface, positions: Floats) -> float:
-    """What the distance [mm] to the curve of a side is not known to."""
+    """Return the uncertainty [mm] of the distance to the curve of a side."""
     return ROUND * pair.size + CURVED * float(facet_depths(other, positions).max())
 
 
 def ramped_overlap(pair: ContactPair, time: Floats, duration: float, positions: Floats) -> RampedOverlap:
-    """How overlaps at `positions` come to count over `duration` [s]; the first of `time` is that of the gaps [s]."""
+    """Return overlaps at `positions` that count after `duration` [s]; `time` begins with the time of the gaps [s]."""
     return RampedOverlap(start_distances(pair, positions), time, smooth(duration))
 
 
 def facet_overlap(pair: ContactPair, time: Floats, duration: float, positions: Floats) -> FacetOverlap | None:
-    """Weak overlaps at `positions` where no node overlaps, which come to count over `duration` [s]; None without."""
+    """Return weak overlaps at `positions` without overlapping nodes, which count after `duration` [s]; None without."""
     gaps = start_distances(pair, positions)
     return FacetOverlap(gaps, time, smooth(duration)) if gaps.min() < -ROUND * pair.size else None
 
 
 def check_ramp_steps(plans: tuple[Any, ...], ramp_time: float, step: float) -> None:
-    """Raise SceneError where an overlap would be pushed out in too few steps: that would be a blow."""
+    """Raise SceneError if an overlap would be pushed out in too few steps, as an impact."""
     for plan in plans:
         duration = plan.start.duration or ramp_time
         if plan.start.overlap == "ramp" and duration < FEWEST_STEPS * step:

@@ -1,4 +1,4 @@
-"""Contacts before any array exists: which parts and surfaces they join, and what they need of each other."""
+"""Contacts before any array exists: their plugin components and surfaces, and their needs of each other."""
 
 from __future__ import annotations
 
@@ -42,16 +42,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ContactPlan:
-    """One contact before any array exists. `name` is "contacts.0"; `label` what the scene calls it.
+    """A contact before any array exists. `name` is "contacts.0"; `label` its name in the scene.
 
     sides  slave and master as they act, in words
-    start  what is done about an overlap before the run, as in the scene
-    explicit  whether it is for an explicit integrator
-    smooth  whether gaps are those between curves through the nodes
-    opened [mm] by how much surfaces that touched were opened, for a potential that needs room
-    exchanged  slave and master of the pass in which the sides are exchanged, of two half passes; () of one pass
-    second  whether this is that pass, or one of points at corners
-    corners  (c,) nodes of the master that are corners, of a mortar that is held at them
+    start  treatment of an overlap before the run, as in the scene
+    explicit  True for an explicit integrator
+    smooth  True if gaps are measured between curves through the nodes
+    opened [mm] opening of surfaces that touched, for a potential that needs room
+    exchanged  slave and master of the pass with exchanged sides, of two half passes; () of one pass
+    second  True for this pass, and for a pass of points at corners
+    corners  (c,) corner nodes of the master, of a mortar that holds them
     """
 
     name: str
@@ -78,7 +78,7 @@ class ContactPlan:
         return self.algorithm.rows_per_node * len(self.slave.nodes)
 
     def pair(self, positions: Floats, first_slot: int, immobile: Flags, behind: Any = None) -> ContactPair:
-        """The pair at work. `immobile` (N,) marks nodes that cannot move; `behind` is for potentials."""
+        """Return the pair at work. `immobile` (N,) marks nodes that cannot move; `behind` is for potentials."""
         sides, fixed = (self.slave, self.master), immobile[self.slave.nodes]
         pair = contact_pair(self.name, self.algorithm, sides, positions, first_slot, self.friction, fixed, behind)
         pair.half, pair.second = bool(self.exchanged), self.second
@@ -90,7 +90,7 @@ class ContactPlan:
 
 
 def all_passes(plans: tuple[ContactPlan, ...]) -> tuple[ContactPlan, ...]:
-    """The contacts, after them points at corners of their masters, and the second ones of two half passes."""
+    """Return the contacts, then points at corners of their masters, and second passes of two half passes."""
     second = [
         replace(
             p, name=f"{p.name}.exchanged", slave=p.exchanged[0], master=p.exchanged[1], sides=p.sides[::-1], second=True
@@ -102,7 +102,7 @@ def all_passes(plans: tuple[ContactPlan, ...]) -> tuple[ContactPlan, ...]:
 
 
 def _points(plan: ContactPlan) -> ContactPlan:
-    """The pass of points at corners of the master."""
+    """Return the pass of points at corners of the master."""
     return replace(
         plan, name=f"{plan.name}.corners", algorithm=CornerPoints(), slave=plan.master, master=plan.slave,
         sides=plan.sides[::-1], second=True,
@@ -110,14 +110,14 @@ def _points(plan: ContactPlan) -> ContactPlan:
 
 
 def by_energy(plan: ContactPlan) -> bool:
-    """Whether the forces of a contact come from a potential."""
+    """Return whether the forces of a contact come from a potential."""
     return isinstance(plan.algorithm, Potential)
 
 
 def plan_contacts(
     scene: Scene, registry: Registry, bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...], integrator: Integrator
 ) -> tuple[ContactPlan, ...]:
-    """Every contact of the scene with its parts made and checked."""
+    """Return every contact of the scene with its plugin components made and checked."""
     positions = positions_of(bodies, rigid)
     plans: list[ContactPlan] = []
     joined = JoinedStretches()
@@ -149,7 +149,7 @@ def _plan(
     enforcement = registry.make("enforcement", enforcement_spec, below(where, "enforcement"))
     if not isinstance(enforcement, (integrator.needs, NormalLaw)):
         raise PartError(
-            f"the integrator cannot work with this enforcement: it needs one of kind {integrator.needs.__name__}",
+            f"the integrator cannot work with this enforcement, needed: kind {integrator.needs.__name__}",
             where=below(where, "enforcement"),
             got=enforcement_spec,
             allowed=f'"{integrator.default_enforcement}" (what is used when nothing is written)',
@@ -210,7 +210,7 @@ def _plan(
 
 
 def _corners(algorithm: ContactMethod, enforcement: Enforcement, master: Surface, positions: Floats) -> Ints | None:
-    """Corners of the master, for mortars with multipliers."""
+    """Return corners of the master, for mortars with multipliers."""
     if not isinstance(algorithm, SegmentContact) or isinstance(enforcement, NormalLaw):
         return None
     found = corners_of(master, positions)
@@ -220,7 +220,7 @@ def _corners(algorithm: ContactMethod, enforcement: Enforcement, master: Surface
 def _surface(
     names: tuple[str, ...], bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...], where: Where
 ) -> Surface:
-    """One surface of all the edge sets and rigid surfaces named; several make a surface of several chains."""
+    """Return one surface of all the edge sets and rigid surfaces named; several make a surface of several chains."""
     stiff = {surface.name: surface.edges for surface in rigid}
     edges = [stiff[name] if name in stiff else edge_set(bodies, name, where)[1] for name in names]
     if len({some.shape[1] for some in edges}) > 1:
@@ -243,7 +243,7 @@ def _surface(
 
 
 def contact_shapes(plans: tuple[ContactPlan, ...], nodes: int) -> Mapping[str, tuple[int, ...]]:
-    """State fields of the contacts; nothing tangential without friction."""
+    """Return state fields of the contacts; nothing tangential without friction."""
     if not plans:
         return {}
     rows, plans = 2 if any(plan.friction is not None for plan in plans) else 1, all_passes(plans)

@@ -1,4 +1,4 @@
-"""What contacts by potentials need before a run: a fitting scene, stiffness of what lies behind, and open surfaces."""
+"""Setup of contacts by potentials before a run: a fitting scene, stiffness of cells behind, and open surfaces."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ SETTLED = 1e-9  # of the clearance: round-off of positions
 def refuse_potential(
     potential: Potential, spec: Any, integrator: Integrator, friction: FrictionLaw | None, where: Where
 ) -> None:
-    """Raise PartError or SceneError for a contact that a potential cannot be used for."""
+    """Raise PartError or SceneError for a contact that cannot use a potential."""
     if isinstance(integrator, ExplicitIntegrator):
         raise PartError(
             "this contact algorithm is a potential: its forces depend on the positions that they lead to, so that an "
@@ -75,9 +75,9 @@ def refuse_potential(
 
 
 def what_lies_behind(plan: ContactPlan, bodies: tuple[Body, ...], positions: Floats) -> tuple[Floats, Floats]:
-    """Dilatational modulus (N,) [MPa] of the material of each node's body, and that over the depth of its cells.
+    """Return the dilatational modulus (N,) [MPa] of each node's body, and modulus over the depth of its cells.
 
-    Both are inf on rigid surfaces; the second, [MPa/mm], is that of the contact's own nodes.
+    Both are inf on rigid surfaces; the second, [MPa/mm], belongs to the contact's own nodes.
     """
     modulus, stiffness = np.full((2, len(positions)), np.inf)
     for body in bodies:
@@ -90,7 +90,7 @@ def what_lies_behind(plan: ContactPlan, bodies: tuple[Body, ...], positions: Flo
 def opened(
     bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...], plans: tuple[ContactPlan, ...]
 ) -> tuple[tuple[ContactPlan, ...], tuple[Body, ...]]:
-    """The contacts and bodies with slave nodes moved where a potential needs more room than the scene leaves it."""
+    """Return the contacts and bodies with slave nodes moved if a potential needs more room than the scene has."""
     positions, found = positions_of(bodies, rigid), []
     for plan in plans:
         amount = _open(plan, bodies, positions) if isinstance(plan.algorithm, Potential) else 0.0
@@ -101,16 +101,16 @@ def opened(
 
 
 def _as_heavy(moved: Body, body: Body) -> Body:
-    """The moved body with the mass that it had."""
+    """Return the moved body with its old mass."""
     now, before = (float(cell_measures(each.mesh, each.element).sum()) for each in (moved, body))
     density = body.material.density * before / now
     return moved if now == before else replace(moved, material=replace(body.material, density=density))  # type: ignore[type-var]
 
 
 def _open(plan: ContactPlan, bodies: tuple[Body, ...], positions: Floats) -> float:
-    """Move slave nodes in `positions` into their body until surfaces are apart; by how much at most [mm].
+    """Move slave nodes in `positions` into their body until surfaces are apart. Return the largest motion [mm].
 
-    All move first by the largest distance that is missing, so that the gap keeps its shape.
+    All move first by the largest missing distance, so that the gap keeps its shape.
     """
     behind = what_lies_behind(plan, bodies, positions)
     pair: Any = plan.pair(positions, 0, np.zeros(len(positions), np.bool_), behind)
@@ -149,7 +149,7 @@ def _open(plan: ContactPlan, bodies: tuple[Body, ...], positions: Floats) -> flo
 
 
 def begin_open(plan: ContactPlan, pair: Any, positions: Floats) -> None:
-    """Raise SceneError where surfaces intersect that must not, and say by how much they were opened."""
+    """Raise SceneError for forbidden intersections, and set the largest opening."""
     from contactlab.contact.potential_pair import Opened
 
     if pair.potential.clearance(pair.view) > 0.0:

@@ -1,4 +1,4 @@
-"""Contacts that measure gaps between smooth surfaces: which can, and the curves of those that do."""
+"""Contacts with gaps between smooth surfaces: which contacts allow them, and their curves."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def refuse_smooth(
     algorithm: ContactMethod, spec: Any, sides: tuple[Surface, Surface], enforcement: Enforcement, where: Where
 ) -> None:
-    """Raise PartError or SceneError for a contact whose gaps cannot be those between curves."""
+    """Raise PartError or SceneError for a contact that cannot measure gaps between curves."""
     if not isinstance(algorithm, SegmentContact):
         raise PartError(
             "smooth surfaces are for algorithms that integrate over segments",
@@ -27,7 +27,7 @@ def refuse_smooth(
         )  # fmt: skip
     if any(side.edges.shape[1] == 3 for side in sides):
         raise SceneError(
-            "smooth surfaces are for edges of two nodes: those of second-order elements are curved already",
+            "smooth surfaces are for edges of two nodes: second-order elements have curved edges already",
             where=below(where, "smooth"), got="true", allowed="false, or elements of first order on both sides",
         )  # fmt: skip
     if isinstance(enforcement, NormalLaw):
@@ -39,7 +39,7 @@ def refuse_smooth(
         )  # fmt: skip
     if enforcement.forces in ("consistent", "conjugate"):
         raise SceneError(
-            "forces between smooth surfaces act as those between segments do, not along derivatives of their gaps, "
+            "forces between smooth surfaces act as between segments, not along derivatives of their gaps, "
             "which would load nodes at ends of surfaces and of unlike length wrongly",
             where=below(where, "smooth"), got=f'true, with forces = "{enforcement.forces}"',
             allowed='true with forces = "frozen", or false',
@@ -48,6 +48,6 @@ def refuse_smooth(
 
 
 def make_smooth(pair: ContactPair, reference: Floats) -> None:
-    """Let a pair measure gaps between the curves through its nodes."""
+    """Make a pair measure gaps between the curves through its nodes."""
     assert isinstance(pair, OperatorPair)
     pair.smooth = SmoothSurfaces(pair, reference)

@@ -1,4 +1,4 @@
-"""Contacts at work: the pairs of all plans, in the system that their enforcement and the integrator need."""
+"""Contacts at work: the pairs of all plans, in the system for their enforcement and the integrator."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Around:
-    """The bodies that contacts join: their work, and positions (N, 2) [mm] at the start and as they are in the run.
+    """The bodies that contacts join: their forces, and positions (N, 2) [mm] at the start and in the run.
 
     mass    (N,) of the nodes
     held    prescribed degrees of freedom
-    ramp    [s] in which overlaps of the start are pushed out
-    driven  whether supports, loads or effects put energy in
+    ramp    [s] duration of pushing initial overlaps out
+    driven  True if supports, loads or effects add energy
     """
 
     bodies: tuple[Body, ...]
@@ -49,19 +49,19 @@ class Around:
 
     @cached_property
     def immobile(self) -> Flags:
-        """Which nodes (N,) cannot move at all."""
+        """Nodes (N,) that cannot move at all."""
         held = np.zeros(2 * len(self.reference), np.bool_)
         held[self.held] = True
         return np.asarray(held.reshape(-1, 2).all(axis=1))
 
 
 def build_contact(plans: tuple[ContactPlan, ...], around: Around) -> Any:
-    """The contact system that the enforcement works with."""
+    """Return the contact system for the enforcement."""
     _one_enforcement(plans)
     plans, state = all_passes(plans), around.state
     enforcement: Any = plans[0].enforcement
     explicit = plans[0].explicit
-    # steps that iterate look for a state at their end, explicit ones go on from where they are
+    # iterative steps find a state at their end, explicit steps start from the present state
     time = state["clock"] if explicit else np.zeros(1)
     pairs: list[ContactPair] = []
     for plan in plans:
@@ -81,7 +81,7 @@ def build_contact(plans: tuple[ContactPlan, ...], around: Around) -> Any:
 
 
 def _pair(plan: ContactPlan, before: list[ContactPair], around: Around, time: Floats) -> ContactPair:
-    """The pair of a plan behind those `before`, and what of its gaps at the start does not count."""
+    """Return the pair of a plan after the pairs `before`, with its uncounted initial gaps."""
     reference, immobile, first = around.reference, around.immobile, sum(pair.slots for pair in before)
     if isinstance(plan.algorithm, CornerPoints):
         held_at = next(pair for pair in before if plan.name == f"{pair.name}.corners")
@@ -105,7 +105,7 @@ def _pair(plan: ContactPlan, before: list[ContactPair], around: Around, time: Fl
         pair.start_gaps = ZeroStart(start_distances(pair, reference))
     refuse_overlap(plan, pair, around.bodies, reference)
     if pair.start_gaps is None and "velocity" in around.state and not pair.by_energy:
-        # statics go to the end, where the overlap counts; what moves freely keeps its energy, and the overlap
+        # statics go to the end, with the overlap counted; free motion keeps its energy, and the overlap
         pair.start_gaps = facet_overlap(pair, time, around.ramp if around.driven else math.inf, reference)
     return pair
 
@@ -113,7 +113,7 @@ def _pair(plan: ContactPlan, before: list[ContactPair], around: Around, time: Fl
 def _pressure_system(
     plans: tuple[ContactPlan, ...], pairs: tuple[ContactPair, ...], law: NormalLaw, around: Around, time: Floats
 ) -> Any:
-    """The contact system of a normal law."""
+    """Return the contact system of a normal law."""
     from contactlab.contact.pressure_response import PressureStore
     from contactlab.model.contact.cells_behind import in_series, length_over_mass, stiffness_behind
 
@@ -123,7 +123,7 @@ def _pressure_system(
     stiffness = []
     for pair in pairs:
         slave, master = (stiffness_behind(side, bodies, reference) for side in (pair.slave, pair.master))
-        # what overlaps alike in both half passes is pressed alike
+        # equal overlaps in both half passes get equal pressures
         own = np.full(len(slave), 1.0 / (1.0 / slave).mean()) if pair.half else slave
         stiffness.append(np.tile(in_series(own, master), pair.rows_per_node))
     half = any(pair.half for pair in pairs)
@@ -167,7 +167,7 @@ def _pressure_system(
 def _traction_system(
     plans: tuple[ContactPlan, ...], pairs: tuple[ContactPair, ...], law: NormalLaw, around: Around, time: Floats
 ) -> Any:
-    """The contact system of a normal law that follows the stress of the slave's cells."""
+    """Return the contact system of a normal law that follows the stress of the slave's cells."""
     from contactlab.contact.traction_system import TractionContactSystem, TractionResponse
     from contactlab.model.contact.cells_behind import stiffness_behind
     from contactlab.model.contact.traction_behind import TractionBehind, refuse_slave
@@ -181,10 +181,10 @@ def _traction_system(
 
 
 def follows_gaps(enforcement: Enforcement, *, motion: bool, smooth: bool) -> bool:
-    """Whether contact forces act along the derivatives of the gaps: what the key `forces` means in a run.
+    """Return whether contact forces act along the derivatives of the gaps: the meaning of the key `forces` in a run.
 
-    "conjugate" and "published" are older names. "auto" is "consistent" in steps in time, which these forces let keep
-    energy, unless gaps are those of `smooth` surfaces.
+    "conjugate" and "published" are older names. "auto" is "consistent" in dynamic steps, in which these forces keep
+    energy, unless gaps belong to `smooth` surfaces.
     """
     return enforcement.forces in ("consistent", "conjugate") or (enforcement.forces == "auto" and motion and not smooth)
 
@@ -196,5 +196,5 @@ def _one_enforcement(plans: tuple[ContactPlan, ...]) -> None:
             "all contacts of a scene share one enforcement",
             where=plans[-1].where,
             got=", ".join(sorted(map(str, enforcements))),
-            allowed="the same one for every contact",
+            allowed="the same enforcement for every contact",
         )

@@ -1,4 +1,4 @@
-"""Which nodes of two surfaces touch, whatever algorithm will join them."""
+"""Touching nodes of two surfaces, for any contact algorithm."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from contactlab.model.bodies.frequency import NO_JOINTS, Joints
 if TYPE_CHECKING:
     from contactlab.model.contact.plan import ContactPlan
 
-TOUCH = 1e-6  # of a segment: round-off of meshes that are made to fit
+TOUCH = 1e-6  # of a segment: round-off of matching meshes
 
 
 def touching(plans: Iterable[ContactPlan], positions: Floats) -> Joints:
-    """Nodes of either side of all contacts that lie on an edge of the other side at `positions` (N, 2)."""
+    """Return nodes on both sides of all contacts that lie on an edge of the other side at `positions` (N, 2)."""
     ways = [both for plan in plans for both in ((plan.slave, plan.master), (plan.master, plan.slave))]
     found = [_nodes_on_edges(own, other, positions) for own, other in ways]
     return Joints(*map(np.concatenate, zip(*found, strict=True))) if found else NO_JOINTS

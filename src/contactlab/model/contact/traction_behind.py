@@ -28,7 +28,7 @@ Entries = tuple[Ints, Ints, Floats]
 
 
 def refuse_integrator(integrator: Integrator, spec: Any, where: Where) -> None:
-    """Raise PartError where steps have no use for a law that needs the traction of the slave."""
+    """Raise PartError if steps cannot use a law that needs the traction of the slave."""
     if isinstance(integrator, ImplicitIntegrator) and not integrator.inertia:
         return
     raise PartError(
@@ -40,7 +40,7 @@ def refuse_integrator(integrator: Integrator, spec: Any, where: Where) -> None:
 
 
 def refuse_slave(plan: ContactPlan, bodies: tuple[Body, ...]) -> None:
-    """Raise an error for a slave behind which there are no stresses, or none with a known derivative."""
+    """Raise an error for a slave with no stresses behind it, or no known derivative of them."""
     found = list(edges_behind(plan.slave, bodies))
     if sum(len(behind.edge) for behind in found) < len(plan.slave.edges):
         raise SceneError(
@@ -53,14 +53,14 @@ def refuse_slave(plan: ContactPlan, bodies: tuple[Body, ...]) -> None:
         if not follows_tables(body):
             raise PartError(
                 "the enforcement needs the stress of the cells behind the slave and its derivative, which this element "
-                "does not give: its forces are not those of its tables",
+                "does not give: its forces do not follow from its tables",
                 where=plan.where, got=f"{type(body.element).__name__} in {body.name}",
                 allowed="elements that are their tables: q1, q2", hint="take q1 or q2 there, or swap slave and master",
             )  # fmt: skip
 
 
 def refuse_loads(plans: tuple[ContactPlan, ...], scene: Scene, bodies: tuple[Body, ...]) -> None:
-    """Raise SceneError for a load on a slave: the stress behind it would be that of load and contact together."""
+    """Raise SceneError for a load on a slave: the stress behind it would belong to load and contact together."""
     for number, load in enumerate(scene.loads):
         if load.pressure is None and load.tx is None and load.ty is None:
             continue
@@ -72,17 +72,17 @@ def refuse_loads(plans: tuple[ContactPlan, ...], scene: Scene, bodies: tuple[Bod
                 raise SceneError(
                     f"the enforcement of {plan.label} takes the stress behind the slave for the contact's, and a load "
                     "acts on the slave as well",
-                    where=where, got=load.on, allowed="loads beside the slave",
+                    where=where, got=load.on, allowed="loads away from the slave",
                     hint="swap slave and master, or take another enforcement",
                 )  # fmt: skip
 
 
 class TractionBehind:
-    """Normal traction at slave nodes, one for each slot of the model: the mean of n . sigma n over the hat of the node.
+    """Normal traction at slave nodes, per slot of the model: the mean of n . sigma n over the hat of the node.
 
-    Stresses at the quadrature points are continued to the edge as polynomials. What acts on the edge is the stress in
+    Stresses at the quadrature points are continued to the edge as polynomials. The edge gets the stress in
     the geometry of the law, as in internal forces, over the present length and along the present normal; so a uniform
-    pressure is found to round-off whatever the kinematics. Tension is positive.
+    pressure is reproduced to round-off for all kinematics. Tension is positive.
 
     slots  k, all multipliers of the model
     """
@@ -94,14 +94,14 @@ class TractionBehind:
         self.strips = [strip for pair in pairs for strip in _strips(pair, forces, position)]
 
     def values(self) -> Floats:
-        """Tractions (k,) [MPa] of the last update of stresses."""
+        """Return tractions (k,) [MPa] of the last update of stresses."""
         force, length = np.zeros(self.shape[0]), np.zeros(self.shape[0])
         for strip in self.strips:
             strip.add_to(force, length)
         return np.divide(force, length, out=np.zeros_like(force), where=length > 0.0)
 
     def derivative(self) -> Any:
-        """Derivatives (k, 2N) [MPa/mm] of `values`, sparse."""
+        """Return derivatives (k, 2N) [MPa/mm] of `values`, sparse."""
         force, length = np.zeros(self.shape[0]), np.zeros(self.shape[0])
         for strip in self.strips:
             strip.add_to(force, length)
@@ -113,12 +113,12 @@ class TractionBehind:
 
 @dataclass
 class _Strip:
-    """Cells of one block behind one surface: f edges with p points, b nodes of an edge, a of a cell, q points of it.
+    """Cells of one block behind one surface: f edges with p points, b nodes per edge, a per cell, q points per cell.
 
     slot      (f, b) of the nodes along the edge
-    nodes     (f, b) global numbers of the same
+    nodes     (f, b) global numbers of these nodes
     cells     (f,) columns of the block's connectivity
-    continued (f, p, q) from quadrature points to the edge's
+    continued (f, p, q) from quadrature points to edge points
     hat       (p, b) values of the hats times weights, along (p, b) derivatives of the trace
     gradients (q, a, 2) of the shape functions by reference coordinates
     """
@@ -143,7 +143,7 @@ class _Strip:
         np.add.at(length, self.slot, size @ self.hat)
 
     def derivatives(self, traction: Floats) -> Iterator[Entries]:
-        """Derivatives of normal forces less those of lengths times the `traction` (k,)."""
+        """Yield derivatives of normal forces less derivatives of lengths times the `traction` (k,)."""
         stress, moved, shape = self._at_edges()
         size = np.hypot(moved[..., 0], moved[..., 1])[..., None]
         normal, out = _right(moved) / size, _right(shape)
@@ -160,13 +160,13 @@ class _Strip:
         yield self._entries(np.einsum("fbpi,pa->fbai", own, self.along), self.nodes)
 
     def _entries(self, values: Floats, columns: Ints) -> Entries:
-        """From derivatives (f, b, c, 2) of the slots by the nodes `columns` (f, c)."""
+        """Return entries from derivatives (f, b, c, 2) of the slots by the nodes `columns` (f, c)."""
         row = np.broadcast_to(self.slot[:, :, None, None], values.shape)
         column = np.broadcast_to((2 * columns[..., None] + np.arange(2))[:, None], values.shape)
         return row.ravel(), column.ravel(), values.ravel()
 
     def _at_edges(self) -> tuple[Floats, Floats, Floats]:
-        """Stresses (f, p, 2, 2), and derivatives (f, p, 2) along the edge of positions and of the law's geometry."""
+        """Return stresses (f, p, 2, 2), and derivatives (f, p, 2) along the edge of positions and law geometry."""
         points = self.block.stress.reshape(4, self.continued.shape[2], -1)[:, :, self.cells]
         s = np.einsum("fpq,cqf->cfp", self.continued, points)
         stress = np.stack([s[0], s[3], s[3], s[1]], axis=-1).reshape(*s.shape[1:], 2, 2)
@@ -176,11 +176,11 @@ class _Strip:
         return stress, moved, shape
 
     def _stress_derivatives(self) -> Floats:
-        """Derivatives of stresses at edges by the nodes of cells, (2, 2, f, p, a, 2)."""
+        """Return derivatives of stresses at edges by the nodes of cells, (2, 2, f, p, a, 2)."""
         block, points = self.block, self.block.stress.shape[1]
         tangent, modulus = np.zeros((4, 4, points)), np.zeros((4, 4, points))
         block.law.tangent(block.gradient, block.history, self.forces.dt, tangent)
-        # without the stress, which brings the change of the geometry: that is known here
+        # without the stress, which brings the change of the geometry: this is known here
         kind = KIND[self.forces.body.material.kinematics]
         two_point_modulus(kind, block.gradient, np.zeros_like(block.stress), tangent, modulus)
         own = modulus.reshape(2, 2, 2, 2, self.continued.shape[2], -1)[..., self.cells]
@@ -192,12 +192,12 @@ class _Strip:
 
 
 def _right(along: Floats) -> Floats:
-    """Vectors (..., 2) turned by -90 degrees: the outward normals of edges with the body on their left."""
+    """Return vectors (..., 2) turned by -90 degrees: outward normals of edges with the body on their left."""
     return np.stack([along[..., 1], -along[..., 0]], axis=-1)
 
 
 def _left(across: Floats) -> Floats:
-    """Transpose of `_right`."""
+    """Return the transpose of `_right`."""
     return np.stack([-across[..., 1], across[..., 0]], axis=-1)
 
 
@@ -217,7 +217,7 @@ def _strips(pair: ContactPair, forces: tuple[BodyForces, ...], position: Floats)
             if not len(own):
                 continue
             nodes = block.connectivity[local[side], cells[:, None]]
-            # positions in `Surface.nodes` of the nodes along edges; a node of a corner belongs to two chains
+            # positions in `Surface.nodes` of the nodes along edges; a corner node belongs to two chains
             given = surface.edges[behind.edge[own]]
             given = np.concatenate([given[:, :1], given[:, 2:], given[:, 1:2]], axis=1)
             turned = surface.nodes[given[:, 0]] != nodes[:, 0]
@@ -228,12 +228,12 @@ def _strips(pair: ContactPair, forces: tuple[BodyForces, ...], position: Floats)
 
 
 def _in_order(edge: Sequence[int]) -> list[int]:
-    """Nodes of a side from its start to its end."""
+    """Return nodes of a side from its start to its end."""
     return [edge[0], *edge[2:], edge[1]]
 
 
 def _tables(element: Element) -> tuple[Floats, Floats, Floats]:
-    """Weighted hats (p, b), derivatives of the trace (p, b), and continuation (sides, p, q), nodes along the edge."""
+    """Return weighted hats (p, b), trace derivatives (p, b), and continuation (sides, p, q), nodes along the edge."""
     places, weights = np.polynomial.legendre.leggauss(element.degree + 1)
     ends = np.linspace(-1.0, 1.0, len(element.edges[0]))
     half = 0.5 * (ends[1] - ends[0])
@@ -251,6 +251,6 @@ def _tables(element: Element) -> tuple[Floats, Floats, Floats]:
 
 
 def _monomials(points: Floats, known: int) -> Floats:
-    """Products of powers of both coordinates (s, n) that as many `known` values fix."""
+    """Return products of powers of both coordinates (s, n), as many as `known` values can fix."""
     most = int(np.sqrt(known + 0.5))
     return np.stack([points[:, 0] ** i * points[:, 1] ** j for i in range(most) for j in range(most)], axis=1)

@@ -1,1 +1,1 @@
-"""Loading: supports, loads, effects, rigid surfaces, and how they vary in time."""
+"""Loading: supports, loads, effects, rigid surfaces, and their variation in time."""

@@ -1,4 +1,4 @@
-"""Whether prescribed motion leaves any room for the bodies: one that moves held edges through each other is refused."""
+"""Check that prescribed motion leaves room for the bodies: it must not move held edges through each other."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ if TYPE_CHECKING:
     from contactlab.model.loading.rigid import RigidSurface
     from contactlab.scene.scene import Scene
 
-SAMPLES = 33  # times at which motion is looked at: ramps have one way to go, tables a few corners
+SAMPLES = 33  # times at which motion is checked: ramps are monotonic, tables have a few corners
 
 
 class _Held(NamedTuple):
     """Nodes of a body or rigid surface that are moved along an axis: all of them, or a run of neighbours.
 
-    low, high  (times, 2) [mm] bounds of where they are
+    low, high  (times, 2) [mm] bounds of their positions
     """
 
     part: Any
@@ -41,7 +41,7 @@ def check_approach(
     prescribed: Prescribed,
     end: float,
 ) -> None:
-    """Raise SceneError if held nodes of one body pass through held nodes of another that contact joins to it.
+    """Raise SceneError if held nodes of one body pass through held nodes of another body in contact with it.
 
     Only sure cases count. A run of held nodes, each joined to the next by a side of a cell, begins on one side of a run
     of the other body, and later is on the other side, while their places across overlap all the time. Between two
@@ -66,7 +66,7 @@ def check_approach(
 
 
 def _held(parts: list[Any], prescribed: Prescribed, axis: int) -> list[_Held]:
-    """Of the parts that are held along an axis at all."""
+    """Return the parts that are held along an axis."""
     nodes = np.sort(prescribed.dof[prescribed.dof % 2 == axis] // 2)
     found = []
     for part in parts:
@@ -81,7 +81,7 @@ def _bounded(part: Any, nodes: Ints) -> _Held:
 
 
 def _runs(held: _Held) -> list[_Held]:
-    """Parts of held nodes that sides of cells join: between them the body is free to give way."""
+    """Return runs of held nodes joined by sides of cells: between runs the body is free to give way."""
     part = held.part
     sides = (
         part.edges if hasattr(part, "edges") else np.concatenate([part.cells[:, list(e)] for e in part.element.edges])
@@ -94,7 +94,7 @@ def _runs(held: _Held) -> list[_Held]:
 
 
 def _follow(held: list[_Held], reference: Floats, prescribed: Prescribed, end: float) -> None:
-    """Fill the bounds: where the rest of a body is, nobody knows yet. One time after the other, for the memory."""
+    """Fill the bounds: positions of the rest of a body are unknown. One time after the other, to save memory."""
     for number, time in enumerate(np.linspace(0.0, end, SAMPLES)):
         place = reference.copy()
         place.ravel()[prescribed.dof] += prescribed.scale * prescribed.values(float(time))[prescribed.ramp]
@@ -104,7 +104,7 @@ def _follow(held: list[_Held], reference: Floats, prescribed: Prescribed, end: f
 
 
 def _joined(scene: Scene, names: list[str]) -> dict[str, str]:
-    """A name for each body and rigid surface, the same for those that contacts join, directly or through others."""
+    """Return a name for each body and rigid surface, equal if contacts join them, directly or through others."""
     of = {name: name for name in names}
 
     def root(name: str) -> str:
@@ -121,14 +121,14 @@ def _joined(scene: Scene, names: list[str]) -> dict[str, str]:
 
 
 def _room(a: _Held, b: _Held, axis: int) -> tuple[float, float] | None:
-    """Room between two sets of nodes that pass through each other along an axis, and how much closer they come [mm].
+    """Return the room [mm] between two sets of nodes that pass through each other, and their approach [mm].
 
     None if they do not pass, as far as their bounds can tell.
     """
     (below, above), across = ((a, b) if a.low[0, axis] < b.low[0, axis] else (b, a)), 1 - axis
     room = above.low[:, axis] - below.high[:, axis]
     left = above.high[:, axis] - below.low[:, axis]
-    # a single node passes through what it lies within; two of them always pass beside each other
+    # a single node passes what it lies within; two nodes always pass next to each other
     overlap = (a.low[:, across] < b.high[:, across]) & (b.low[:, across] < a.high[:, across])
     if room[0] <= 0.0 or not left.min() <= 0.0 or not overlap[: int(np.argmax(left <= 0.0)) + 1].all():
         return None

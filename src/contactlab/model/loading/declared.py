@@ -1,4 +1,4 @@
-"""What a scene declares in time, key by key: when it begins and when it is over."""
+"""Declarations of a scene in time, key by key: their begin and end."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ NEARLY = 1e-9  # of the end: differences below it are round-off
 class Declared(NamedTuple):
     """A change in time that a scene declares.
 
-    key     of the scene, the one to change
+    key     of the scene, the key to change
     begin   [s]
-    end     [s]; infinite if it is never over
+    end     [s]; infinite if it never ends
     course  of a value in time; None for effects, overlaps and holds
     """
 
@@ -33,7 +33,7 @@ class Declared(NamedTuple):
 
 
 def courses_in(scene: Scene) -> Iterator[tuple[str, Any, Course]]:
-    """All values of supports, loads, rigid surfaces and fields: their keys, as written, and their courses in time."""
+    """Yield all values of supports, loads, rigid surfaces and fields: keys, values as written, courses in time."""
     tables: list[tuple[str, Any]] = [(f"supports.{i}", spec) for i, spec in enumerate(scene.supports)]
     tables += [(f"loads.{i}", spec) for i, spec in enumerate(scene.loads)]
     tables += [(f"rigid.{name}", spec) for name, spec in scene.rigid.items()]
@@ -47,7 +47,7 @@ def courses_in(scene: Scene) -> Iterator[tuple[str, Any, Course]]:
 
 
 def declared_in(scene: Scene, ramps: RampTime) -> Iterator[Declared]:
-    """All changes in time of a scene, if ramps without a duration are as `ramps` says."""
+    """Yield all changes in time of a scene, with `ramps` for ramps without a duration."""
     for key, value, course in courses_in(scene):
         if not course.steady:
             yield Declared(_key_of_end(scene, key, value, course), course.begin, course.over(ramps), course)
@@ -64,7 +64,7 @@ def declared_in(scene: Scene, ramps: RampTime) -> Iterator[Declared]:
 
 
 def _key_of_end(scene: Scene, key: str, value: Any, course: Course) -> str:
-    """The key that says when the change at `key` is over."""
+    """Return the key that gives the end of the change at `key`."""
     if course.shape == "table":
         return f"{key}.{'file' if value.file is not None else 'points'}"
     if course.shape == "function":
@@ -77,9 +77,9 @@ def _key_of_end(scene: Scene, key: str, value: Any, course: Course) -> str:
 
 
 def last_of(scene: Scene, ramps: RampTime) -> tuple[float, str]:
-    """When everything that a scene declares is over [s], and the key that says so; "" if nothing is declared.
+    """Return the end of all declarations of a scene [s], and its key; "" if nothing is declared.
 
-    Raises SceneError for what is never over: the run then needs an end of its own.
+    Raises SceneError for a change that never ends: the run then needs an end of its own.
     """
     end, key = 0.0, ""
     for one in declared_in(scene, ramps):
@@ -95,7 +95,7 @@ def last_of(scene: Scene, ramps: RampTime) -> tuple[float, str]:
 
 
 def beyond(scene: Scene, ramps: RampTime, end: float) -> Iterator[RunWarning]:
-    """Warnings of all that lies behind a written end of the run, or is not over by then."""
+    """Yield warnings of all declarations that begin or last beyond a written end of the run."""
     held = [Declared("time.hold", 0.0, ramps.duration + scene.time.hold)] if scene.time.hold else []
     for one in (*declared_in(scene, ramps), *held):
         if math.isinf(one.end) or one.end <= (1.0 + NEARLY) * end:

@@ -1,7 +1,7 @@
-"""Integrals along edges of what varies there, exact whatever lies between the nodes.
+"""Integrals of values that vary along edges, exact for any variation between the nodes.
 
-Edges are split where a profile says that its values or slopes jump, and halved while a rule of ten points and the same
-rule on both halves differ. Its points gather at the ends of a piece: a square root there is as good as a parabola.
+Edges are split at jumps of a profile's values or slopes, and halved while a rule of ten points and the same
+rule on both halves differ. Its points gather at the ends of a piece: it resolves a square root there like a parabola.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ if TYPE_CHECKING:
     from contactlab.parts.registry import Registry
 
 POINTS = 3  # of an edge under a uniform load: exact for the quadratic trace times the derivative of a parabola
-PARTS = 3  # Gauss points of a part of an edge, whose length is exact where it is straight
+PARTS = 3  # Gauss points of a part of an edge, whose length is exact if it is straight
 T, W = np.polynomial.legendre.leggauss(10)
 NODES, WEIGHTS = 0.5 * T * (3.0 - T * T), 1.5 * (1.0 - T * T) * W  # exact to degree 9
-LOOKED_AT = 512  # pieces of all edges for values of which nothing is known: what is narrower may be missed
+LOOKED_AT = 512  # pieces of all edges for values without declared breaks: narrower features may be missed
 DIFFER = 1e-10  # of the whole integral: pieces are halved until two rules differ by less
-HALVINGS, MOST = 40, 200_000  # of a piece, pieces: jumps that nobody declares are then found to round-off
-SIDES = 16  # parts of an edge in which what it varies with is taken to rise or to fall all the way
+HALVINGS, MOST = 40, 200_000  # of a piece, pieces: undeclared jumps are then found to round-off
+SIDES = 16  # parts of an edge in which its variable is assumed monotonic
 BISECTIONS = 60
-CHECKED = 200_003  # places of all edges at which the check looks
+CHECKED = 200_003  # check points on all edges
 WRONG = 0.01  # of the integral
 
 
@@ -40,7 +40,7 @@ class Points(NamedTuple):
 
 
 class Edges:
-    """Edges (e, b) of one element where they lie before the run.
+    """Edges (e, b) of one element at their undeformed positions.
 
     Numbers of edges and places on them broadcast: numbers (e, 1) and places (n,) are the same places of each edge.
     """
@@ -49,22 +49,22 @@ class Edges:
         self.element, self.edges, self.nodes = element, edges, reference[edges]
 
     def trace(self, points: Points) -> tuple[Floats, Floats]:
-        """Trace functions and their derivatives (n, b) at the points."""
+        """Return trace functions and their derivatives (n, b) at the points."""
         return self.element.edge_shape(points.at)
 
     def places(self, edge: Ints, at: Floats) -> Floats:
-        """Where places of edges are (..., 2) [mm]."""
+        """Return positions (..., 2) [mm] of places on edges."""
         return np.asarray(np.einsum("...a,...ai->...i", self.element.edge_shape(at)[0], self.nodes[edge]))
 
     def speed(self, edge: Ints, at: Floats) -> Floats:
-        """Length (...) [mm] of an edge per unit of its parameter."""
+        """Return the length (...) [mm] of an edge per unit of its parameter."""
         along = np.einsum("...a,...ai->...i", self.element.edge_shape(at)[1], self.nodes[edge])
         return np.asarray(np.hypot(along[..., 0], along[..., 1]))
 
     def arc_lengths(self, edge: Ints, at: Floats) -> Floats:
-        """Arc lengths (...) [mm], which go on where others end.
+        """Return arc lengths (...) [mm], continued from edge to edge.
 
-        They begin at the edge that follows none, in the order of the edges where there are several pieces; a closed
+        They begin at the first edge of a chain, in the order of the edges if there are several chains; a closed
         curve begins at its first edge.
         """
         begins, inside = self._begins(), np.zeros(np.broadcast_shapes(edge.shape, at.shape))
@@ -74,7 +74,7 @@ class Edges:
         return np.asarray(begins[edge] + 0.5 * (at + 1.0) * inside)
 
     def _begins(self) -> Floats:
-        """Arc length (e,) [mm] at which each edge begins."""
+        """Return the arc length (e,) [mm] at which each edge begins."""
         points, weights = np.polynomial.legendre.leggauss(PARTS)
         every = np.repeat(np.arange(len(self.edges), dtype=np.int32), PARTS)
         lengths = self.speed(every, np.tile(points, len(self.edges))).reshape(-1, PARTS) @ weights
@@ -88,13 +88,13 @@ class Edges:
 
 
 def uniform(count: int) -> Points:
-    """Points of a load that does not vary."""
+    """Return points of a load that does not vary."""
     points, weights = np.polynomial.legendre.leggauss(POINTS)
     return Points(np.repeat(np.arange(count, dtype=np.int32), POINTS), np.tile(points, count), np.tile(weights, count))
 
 
 def varying(profile: Profile, edges: Edges, registry: Registry, where: Where, told: list[RunWarning]) -> Points:
-    """Points of a load that varies, with its factors in their weights; `told` gets a warning of a doubtful integral."""
+    """Return points of a varying load, weighted by its factors; `told` gets a warning of a doubtful integral."""
     rule = _Rule(Varying(profile, registry, where), edges)
     points = rule.points()
     factors = rule.factors(points.edge, points.at)
@@ -104,13 +104,13 @@ def varying(profile: Profile, edges: Edges, registry: Registry, where: Where, to
 
 
 class _Rule:
-    """A profile on edges, and the pieces on which it is integrated."""
+    """A profile on edges, and its integration segments."""
 
     def __init__(self, profile: Varying, edges: Edges) -> None:
         self.profile, self.edges, self.count = profile, edges, len(edges.edges)
 
     def by(self, edge: Ints, at: Floats) -> Floats:
-        """What the profile varies with (...)."""
+        """Return the variable of the profile (...)."""
         if self.profile.by == "s":
             return self.edges.arc_lengths(edge, at)
         return self.profile.at(self.edges.places(edge, at))
@@ -119,14 +119,14 @@ class _Rule:
         return self.profile.values(self.by(edge, at))
 
     def points(self) -> Points:
-        """The rule of ten points on all pieces."""
+        """Return the rule of ten points on all pieces."""
         edge, low, high = self._halved(*self._split())
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
         at, weight = middle[:, None] + half[:, None] * NODES, half[:, None] * WEIGHTS
         return Points(np.repeat(edge, len(NODES)), at.ravel(), weight.ravel())
 
     def _split(self) -> tuple[Ints, Floats, Floats]:
-        """Edges, split where the profile breaks, or into as many pieces as are looked at where it declares none."""
+        """Return edges split at breaks of the profile, or into the pieces to test if it declares none."""
         pieces = 1 if len(self.profile.breaks) else max(1, -(-LOOKED_AT // self.count))
         ends = np.linspace(-1.0, 1.0, pieces + 1)
         edge = np.repeat(np.arange(self.count, dtype=np.int32), pieces + 1)
@@ -140,14 +140,14 @@ class _Rule:
         return edge[:-1][own], at[:-1][own], at[1:][own]
 
     def _crossings(self) -> tuple[Ints, Floats]:
-        """Where edges pass breaks: in each part of an edge as many as lie between its ends, by bisection."""
+        """Return breaks on edges by bisection: in each part of an edge as many as lie between its ends."""
         breaks = np.sort(np.array(self.profile.breaks))
         ends = np.linspace(-1.0, 1.0, SIDES + 1)
         every = np.repeat(np.arange(self.count, dtype=np.int32), SIDES + 1)
         found = self.by(every, np.tile(ends, self.count)).reshape(self.count, SIDES + 1)
         begin, end = found[:, :-1].ravel(), found[:, 1:].ravel()
         low, high = np.minimum(begin, end), np.maximum(begin, end)
-        if self.profile.by == "angle":  # a part that crosses the half line of 180 degrees is left to halving
+        if self.profile.by == "angle":  # halving handles parts across the half line of 180 degrees
             low = np.where(high - low > 180.0, high, low)
         first, last = np.searchsorted(breaks, low, side="right"), np.searchsorted(breaks, high, side="left")
         number = np.maximum(last - first, 0)
@@ -162,7 +162,7 @@ class _Rule:
         return edge, 0.5 * (a + b)
 
     def _halved(self, edge: Ints, low: Floats, high: Floats) -> tuple[Ints, Floats, Floats]:
-        """Pieces, halved until halves do not differ from the whole."""
+        """Return pieces, halved until halves do not differ from the whole."""
         done: list[tuple[Ints, Floats, Floats]] = []
         whole = self._integrals(edge, low, high)
         total = float(np.abs(whole).sum())
@@ -179,7 +179,7 @@ class _Rule:
         return _joined([*done, (edge, low, high)])
 
     def _integrals(self, edge: Ints, low: Floats, high: Floats) -> Floats:
-        """Integral (p,) of the profile over each piece."""
+        """Return the integral (p,) of the profile over each piece."""
         half = 0.5 * (high - low)
         at = (0.5 * (low + high))[:, None] + half[:, None] * NODES
         every = np.repeat(edge, len(NODES))
@@ -194,7 +194,7 @@ def _joined(parts: list[tuple[Ints, Floats, Floats]]) -> tuple[Ints, Floats, Flo
 
 
 def _check(rule: _Rule, found: float, size: float, told: list[RunWarning], where: Where) -> None:
-    """Compare the integral with that of an independent rule: many places, evenly spread over each edge."""
+    """Compare the integral with an independent rule: many places, evenly spread over each edge."""
     each = -(-CHECKED // rule.count)
     at = (2.0 * np.arange(each) + 1.0) / each - 1.0
     edge = np.arange(rule.count, dtype=np.int32)[:, None]
@@ -217,7 +217,7 @@ def _check(rule: _Rule, found: float, size: float, told: list[RunWarning], where
 
 
 def _order(first: Ints, last: Ints) -> list[int]:
-    """Edges one after the other: pieces with a beginning first, closed ones after them."""
+    """Return edges one after the other: open chains first, closed chains after them."""
     at = {int(node): number for number, node in enumerate(first)}
     reached = {int(node) for node in last}
     order: dict[int, None] = {}

@@ -1,4 +1,4 @@
-"""Edge sets by name, as scenes write them: "body.set"; and parts of edge sets under names of their own."""
+"""Edge sets by name, as scenes write them: "body.set"; and parts of edge sets with names of their own."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from contactlab.model.bodies.body import Body
 if TYPE_CHECKING:
     from contactlab.errors import Where
 
-SLACK = 1e-3  # of an edge: a bound this near to a node goes through the node
+SLACK = 1e-3  # of an edge: a bound this near a node goes through the node
 
 
 def edge_set(bodies: tuple[Body, ...], name: str, where: Where) -> tuple[Body, Ints]:
-    """The edges (e, b) named "body.set", in global node numbers."""
+    """Return the edges (e, b) named "body.set", in global node numbers."""
     body_name, _, set_name = name.partition(".")
     body = next((body for body in bodies if body.name == body_name), None)
     if body is None:
@@ -39,13 +39,13 @@ def edge_set(bodies: tuple[Body, ...], name: str, where: Where) -> tuple[Body, I
             where=where,
             got=name,
             allowed="a set with edges",
-            hint="name another one, or mend the mesh",
+            hint="name another set, or mend the mesh",
         )
     return body, (sets[set_name] + body.first).astype(np.int32)
 
 
 def nodes_of(bodies: tuple[Body, ...], name: str, where: Where) -> Ints:
-    """Numbers of the nodes of "body" or "body.edge_set"."""
+    """Return numbers of the nodes of "body" or "body.edge_set"."""
     for body in bodies:
         if body.name == name:
             return np.arange(body.first, body.first + body.count, dtype=np.int32)
@@ -53,7 +53,7 @@ def nodes_of(bodies: tuple[Body, ...], name: str, where: Where) -> Ints:
 
 
 def with_parts(mesh: Mesh, parts: Mapping[str, Any], where: Where) -> Mesh:
-    """The mesh with further edge sets: `parts` by name as in `[bodies.NAME.sets]`, in its present place."""
+    """Return the mesh with further edge sets: `parts` by name as in `[bodies.NAME.sets]`, in its present place."""
     sets = dict(mesh.edges)
     for name, part in parts.items():
         at = below(where, name)
@@ -72,7 +72,7 @@ def with_parts(mesh: Mesh, parts: Mapping[str, Any], where: Where) -> Mesh:
 
 
 def _part(nodes: Floats, edges: Ints, part: Any, where: Where) -> Ints:
-    """The edges that lie within the bounds; SceneError where a bound cuts through one."""
+    """Return the edges that lie within the bounds; SceneError if a bound cuts through an edge."""
     inside = np.ones(len(edges), np.bool_)
     for axis, name in enumerate("xy"):
         span = getattr(part, name)
@@ -104,7 +104,7 @@ def _part(nodes: Floats, edges: Ints, part: Any, where: Where) -> Ints:
 
 
 def _to_place(value: float, slack: float) -> str:
-    """A coordinate with the digits that tell it to a tenth of the slack."""
+    """Return a coordinate with digits for a tenth of the slack."""
     return np.format_float_positional(value, max(0, math.ceil(1.0 - math.log10(slack))), trim="-")
 
 

@@ -1,6 +1,6 @@
-"""What explicit steps have to follow beside the bodies: stiffness and damping of effects, by differences.
+"""Rates of effects that limit explicit steps in addition to the bodies: stiffness and damping, by differences.
 
-An effect is a function of positions and velocities that nobody has told us more about. Small motions of all nodes show
+An effect is an unknown function of positions and velocities. Small motions of all nodes show
 the largest eigenvalues of its stiffness and of its damping over the masses (power iteration, in the masses' norm).
 """
 
@@ -13,18 +13,18 @@ import numpy as np
 
 from contactlab.api import Floats, State
 
-ITERATIONS = 12  # the norm grows towards the largest eigenvalue: 1 % below it where its neighbours are a third lower
+ITERATIONS = 12  # the norm grows towards the largest eigenvalue: 1 % below it if its neighbours are a third lower
 SMALL = 1e-6  # of the model's size: central differences of smooth forces then err by 1e-10 or so
-MARGIN = 1.05  # on what effects take from a step: eigenvalues are found from below
+MARGIN = 1.05  # on the share of effects: eigenvalues are found from below
 WIDE, JUMP = 10.0, 3.0  # a jump of forces looks a tenth as stiff in a motion ten times as wide, a spring just as stiff
-NOISE = 1e-9  # of the bodies' rates: what differences of constant forces leave by round-off
+NOISE = 1e-9  # of the bodies' rates: round-off of differences of constant forces
 
 
 @dataclass(frozen=True)
 class EffectRates:
     """Largest eigenvalues of all effects, summed.
 
-    square   of M^-1 K [1/s2], whatever the sign of K
+    square   of M^-1 K [1/s2], for both signs of K
     damping  of M^-1 C [1/s]
     """
 
@@ -32,9 +32,9 @@ class EffectRates:
     damping: float = 0.0
 
     def limit(self, bodies: float) -> float:
-        """Largest stable step [s] with effects, `bodies` [s] without.
+        """Return the largest stable step [s] with effects, `bodies` [s] without.
 
-        Velocities that effects see are half a step back. A mode with (w, c) in steps of central differences,
+        Velocities of effects lag half a step. A mode with (w, c) in steps of central differences,
         z^2 - (2 - w^2 dt^2 - c dt) z + 1 - c dt = 0, is stable while w^2 dt^2 / 4 + c dt / 2 <= 1 (z = -1).
         """
         a, b = bodies**-2 + MARGIN * self.square / 4.0, MARGIN * self.damping / 2.0
@@ -52,7 +52,7 @@ def effect_rates(
     bodies: float,
     times: Iterable[float],
 ) -> EffectRates:
-    """Rates of the effects at the present state, the largest of those at `times` [s].
+    """Return rates of the effects at the present state, the largest at the given `times` [s].
 
     mass (N,) [t], size of the model [mm], stable step of the bodies [s]
     """
@@ -66,7 +66,7 @@ def effect_rates(
 
 
 def _kept(found: float, of_bodies: float) -> float:
-    """A rate, or none where it is round-off; a force that is not finite is the run's to name."""
+    """Return a rate, or 0 if it is round-off; the run reports a force that is not finite."""
     return found if np.isfinite(found) and found > NOISE * of_bodies else 0.0
 
 
@@ -79,7 +79,7 @@ class _Probe:
         self.start = np.where(self.moving, np.random.default_rng(1).choice([-1.0, 1.0], size=(len(mass), 2)), 0.0)
 
     def largest(self, time: float, field: Floats, step: float) -> float:
-        """Largest eigenvalue of -M^-1 dF/d(field) by modulus; 0 where forces jump and have no derivative."""
+        """Return the largest eigenvalue of -M^-1 dF/d(field) by modulus; 0 if forces jump without derivative."""
         motion, found = self.start, 0.0
         for _ in range(ITERATIONS):
             change = self._change(time, field, step, motion)
@@ -87,12 +87,12 @@ class _Probe:
             if not 0.0 < length < np.inf:
                 return 0.0
             last, found = motion, length / self._norm(motion)
-            motion = change / np.abs(change).max()  # entries of about one: steps are what they were chosen to be
+            motion = change / np.abs(change).max()  # entries of about one: steps have their chosen size
         wide = self._norm(self._change(time, field, WIDE * step, last)) / self._norm(last)
         return found if found < JUMP * wide else 0.0
 
     def _change(self, time: float, field: Floats, step: float, motion: Floats) -> Floats:
-        """Change of the forces over the masses (N, 2) per unit of a motion (N, 2)."""
+        """Return the change of the forces over the masses (N, 2) per unit of a motion (N, 2)."""
         before, change = field.copy(), np.zeros_like(field)
         try:
             for side in (1.0, -1.0):

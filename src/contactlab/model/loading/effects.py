@@ -36,7 +36,7 @@ def build_effects(
     state: State,
     told: list[RunWarning],
 ) -> tuple[Load, ...]:
-    """One call for each of the scene's effects; `masses` makes the nodal masses, which statics may do without."""
+    """Return a call for each of the scene's effects; `masses` makes the nodal masses, optional in statics."""
     mass = masses() if "velocity" in state or any(effect.needs_mass for effect in made) else np.zeros(0)
     displacement = state["displacement"]
     velocity = state["velocity"] if "velocity" in state else np.zeros_like(displacement)
@@ -81,7 +81,7 @@ def _read_only(array: Floats) -> Floats:
 
 
 class RememberingEffect:
-    """Adds forces that belong to memory and the time since; called as effects without memory are.
+    """Adds forces that depend on memory and the time since; called like effects without memory.
 
     rows  memory (N,) of each node by name, in the state
     """
@@ -100,7 +100,7 @@ class RememberingEffect:
         self.add(time, force, time - self.state.time, self.seen)
 
     def accept(self, time: float, dt: float) -> None:
-        """A step of `dt` [s] that ends at `time` [s] is accepted, and has not moved the clock yet."""
+        """Update memory after an accepted step of `dt` [s] that ends at `time` [s], before the clock moves."""
         found = self.add(time, self.spare, dt, self.seen)
         if not isinstance(found, dict):
             kind = type(self.effect).__name__
@@ -109,10 +109,10 @@ class RememberingEffect:
 
 
 def shares_of(bodies: tuple[Body, ...], reference: Floats, names: Sequence[str], where: Where) -> tuple[Ints, Floats]:
-    """Nodes (k,) of bodies or of edge sets, and the share (k,) of the whole area or length that each stands for.
+    """Return nodes (k,) of bodies or of edge sets, and their share (k,) of the whole area or length.
 
-    An area is that of the lumped mass, a length the integral of the node's trace function. A body or an edge that is
-    named twice counts once. Raises SceneError for bodies beside edge sets.
+    Areas come from the lumped mass, lengths from the integral of the node's trace function. A body or an edge
+    named twice counts once. Raises SceneError for bodies together with edge sets.
     """
     measure = np.zeros(len(reference))
     whole = [body for body in bodies if body.name in names]

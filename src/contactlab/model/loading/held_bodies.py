@@ -1,4 +1,4 @@
-"""Whether the bodies of a scene that is to be at rest are held."""
+"""Check that the bodies of a scene with a state of rest are held."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ if TYPE_CHECKING:
     from contactlab.model.implicit_model import ImplicitModel
     from contactlab.scene.scene import Scene
 
-RANK = 1e-6  # of the largest resistance: what less resists is free
-ROUND = 1e-12  # of the stiffness: what less is added by loads is round-off
+RANK = 1e-6  # of the largest resistance: motions with less are free
+ROUND = 1e-12  # of the stiffness: less from loads is round-off
 FREE = 0.1  # of a unit motion: bodies that move together share one
 TOUCHING = 1e-6  # segments apart: closed as soon as a force comes
 MOTIONS = ("sliding along x", "sliding along y", "turning")
 
 
 def check_supported(scene: Scene, bodies: tuple[Body, ...], supports: SupportPlan, integrator: Integrator) -> None:
-    """Raise SceneError for a body that could drift away where the scene asks for a state of rest.
+    """Raise SceneError for a body that could drift away if the scene asks for a state of rest.
 
     Without inertia every rigid motion needs a support, a contact or an effect against it. Explicit runs with
-    `end = "auto"` damp what drifts, but something must push back: a body that nothing but one contact
-    touches is pushed away.
+    `end = "auto"` damp drift, but something must push back: a body touched by nothing but one contact
+    is pushed away.
     """
     if integrator.inertia and scene.time.end != "auto":
         return
@@ -42,7 +42,7 @@ def check_supported(scene: Scene, bodies: tuple[Body, ...], supports: SupportPla
 
 
 def free_motions(body: Body, supports: SupportPlan | Prescribed) -> list[str]:
-    """Which rigid motions of the body its supports do not prevent, in words."""
+    """Return the rigid motions of the body that its supports do not prevent, in words."""
     own = supports.dof[(supports.dof >= 2 * body.first) & (supports.dof < 2 * (body.first + body.count))]
     modes = _rigid_modes(body)[own - 2 * body.first]
     _, sizes, directions = np.linalg.svd(modes) if len(own) else (None, np.zeros(0), np.eye(3))
@@ -56,11 +56,11 @@ def free_motions(body: Body, supports: SupportPlan | Prescribed) -> list[str]:
 def loose_motions(
     model: ImplicitModel, friction: bool = True, least: float = RANK, pressed: bool = True
 ) -> dict[str, tuple[str, ...]]:
-    """Rigid motions that neither supports, effects nor closed contacts resist at the present state, by body.
+    """Return rigid motions that neither supports, effects nor closed contacts resist at the present state, by body.
 
-    friction  whether that of contacts counts
-    least     what resists less than this share of the largest resistance does not count
-    pressed   whether friction needs a force; otherwise a law and touch are enough
+    friction  True if friction of contacts counts
+    least     resistance below this share of the largest resistance does not count
+    pressed   True if friction needs a force; otherwise a law and touch are enough
     """
     bodies = [body for body in model.bodies if free_motions(body, model.prescribed)]
     if not bodies:
@@ -89,7 +89,7 @@ def loose_motions(
     free = directions[int((sizes > least * max(1.0, sizes.max(initial=0.0))).sum()) :]
     found: dict[str, tuple[str, ...]] = {}
     for number, body in enumerate(bodies):
-        share = np.linalg.norm(free[:, 3 * number : 3 * number + 3], axis=0)  # of each motion that is free
+        share = np.linalg.norm(free[:, 3 * number : 3 * number + 3], axis=0)  # of each free motion
         if (most := float(share.max(initial=0.0))) > FREE:
             alike = (1.0 - FREE) * most
             found[body.name] = tuple(motion for motion, own in zip(MOTIONS, share, strict=True) if own >= alike)
@@ -97,7 +97,7 @@ def loose_motions(
 
 
 def hold(body: str, motions: tuple[str, ...]) -> str:
-    """What to write so that something holds a body against some of `MOTIONS`."""
+    """Return a hint for holding a body against some of `MOTIONS`."""
     keys = [f"u{motion[-1]} = 0.0" for motion in motions if motion[-1] in "xy"] or ["ux = 0.0"]
     return (
         f'hold it: [[supports]] with on = "{body}.EDGE_SET" and {", ".join(keys)}, friction, or a soft spring, '
@@ -106,7 +106,7 @@ def hold(body: str, motions: tuple[str, ...]) -> str:
 
 
 def _rigid_modes(body: Body) -> Floats:
-    """Displacements (2 n, 3) of the nodes in the two shifts and the turn about the middle, of size one."""
+    """Return displacements (2 n, 3) of the nodes in the two shifts and the turn about the middle, of size one."""
     arm = body.mesh.nodes - body.mesh.nodes.mean(axis=0)
     arm = arm / np.abs(arm).max()
     modes = np.zeros((len(arm), 2, 3))
@@ -116,7 +116,7 @@ def _rigid_modes(body: Body) -> Floats:
 
 
 def _neighbours(scene: Scene, name: str) -> set[str]:
-    """Bodies and rigid surfaces that share a contact with this one."""
+    """Return bodies and rigid surfaces that share a contact with this body."""
     found: set[str] = set()
     for contact in scene.contacts:
         slave, master = ({target.partition(".")[0] for target in side} for side in contact.targets)
@@ -133,6 +133,6 @@ def _adrift(scene: Scene, body: Body, free: list[str], problem: str) -> SceneErr
         problem,
         where=scene.where(f"bodies.{body.name}"),
         got=f"free for {', '.join(free)}",
-        allowed="bodies that supports, contacts or effects keep from drifting, where the end is a state of rest",
+        allowed="bodies that supports, contacts or effects keep from drifting, if the end is a state of rest",
         hint=f'add a [[supports]] table with on = "{body.name}.EDGE_SET"',
     )

@@ -1,4 +1,4 @@
-"""How values vary along edges or over bodies: a factor at each point, from where the points lie before the run."""
+"""Profiles along edges or over bodies: a factor at each point, from its undeformed position."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ ROWS = "rows of two finite numbers, the first ones rising"
 class Varying:
     """A profile, ready to be evaluated.
 
-    breaks  where its values or slopes jump, as far as is known
+    breaks  places of jumps of values or slopes, as far as known
     """
 
     def __init__(self, profile: Profile, registry: Registry, where: Where) -> None:
@@ -39,9 +39,9 @@ class Varying:
             self.breaks = self._table[:, 0]
 
     def at(self, points: Floats) -> Floats:
-        """Coordinates or angles (n,) [mm or degrees] of points (n, 2) [mm]; arc lengths are not known here.
+        """Return coordinates or angles (n,) [mm or degrees] of points (n, 2) [mm]; arc lengths are not known here.
 
-        Angles lie between -180 and 180, or as far from the middle of a profile that reaches beyond.
+        Angles lie between -180 and 180, or as far from the middle of a profile that extends beyond.
         """
         if self.by in ("x", "y"):
             return np.asarray(points[..., "xy".index(self.by)])
@@ -53,7 +53,7 @@ class Varying:
         return np.asarray(angle)
 
     def values(self, at: Floats) -> Floats:
-        """Factors (...) [-] at coordinates or arc lengths (...). Raises PartError if a function gives no numbers."""
+        """Return factors (...) [-] at coordinates or arc lengths (...). Raises PartError if a function fails."""
         if self._function is not None:
             return values_of(self._function, at, self._key)
         if self.spec.cosine is not None:
@@ -63,11 +63,11 @@ class Varying:
 
 
 def of_nodes(profile: Profile, registry: Registry, where: Where) -> Varying:
-    """A profile over nodes of a body. Raises SceneError if it goes by arc length or has a mean: nodes have neither."""
+    """Return a profile over nodes of a body. SceneError if it uses arc length or a mean: nodes have neither."""
     if profile.by == "s":
         raise SceneError(
             "the nodes of a body have no arc length", where=below(where, "by"), got="s", allowed="x, y, angle",
-            hint="arc lengths are those of edge sets, under supports and loads",
+            hint="arc lengths belong to edge sets, under supports and loads",
         )  # fmt: skip
     if profile.mean is not None:
         raise SceneError(
@@ -78,7 +78,7 @@ def of_nodes(profile: Profile, registry: Registry, where: Where) -> Varying:
 
 
 def values_of(function: Function, at: Floats, where: Where) -> Floats:
-    """What a function gives at places or times (...), in their shape. Raises PartError where that is no number."""
+    """Return values of a function at places or times (...), in their shape. PartError if they are not finite."""
     try:
         found = np.asarray(function.values(np.array(at, np.float64).reshape(-1)), np.float64)
     except Exception as error:
@@ -87,8 +87,8 @@ def values_of(function: Function, at: Floats, where: Where) -> Floats:
         shown = f"shape {found.shape}" if found.shape != (np.size(at),) else _first_not_finite(found, np.ravel(at))
         raise PartError(
             "the function gives no number at some place", where=where, got=shown,
-            allowed="a finite number for every place or time that it is asked for",
-            hint="contactlab check tells more about the part",
+            allowed="a finite number for every place or time",
+            hint="run contactlab check for details",
         )  # fmt: skip
     return found.reshape(np.shape(at))
 
@@ -99,9 +99,9 @@ def _first_not_finite(found: Floats, at: Floats) -> str:
 
 
 def with_mean(profile: Profile, found: Floats, lengths: Floats, where: Where) -> Floats:
-    """Factors scaled to the mean that the profile asks for; `lengths` [mm] that each of them stands for.
+    """Return factors scaled to the mean of the profile; `lengths` [mm] belong to each factor.
 
-    Raises SceneError where their own mean is none.
+    Raises SceneError if their own mean is zero.
     """
     if profile.mean is None:
         return found
@@ -116,11 +116,11 @@ def with_mean(profile: Profile, found: Floats, lengths: Floats, where: Where) ->
 
 
 def read_pairs(file: str, where: Where) -> Floats:
-    """The table (n, 2) in a CSV file: places or times, and factors [-]. Raises SceneError where there is none."""
+    """Return the table (n, 2) in a CSV file: places or times, and factors [-]. SceneError if there is none."""
     text = text_outside(Path(file), where, ROWS, kind=SceneError)
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # an empty file has no rows, which is said below
+            warnings.simplefilter("ignore")  # an empty file has no rows, reported below
             table = np.loadtxt(io.StringIO(text), delimiter=",", ndmin=2)
     except ValueError as error:
         raise SceneError("no table can be read here", where=where, got=str(error), allowed=ROWS) from error

@@ -1,8 +1,8 @@
-"""How loads change as nodes move, for implicit integrators: follower loads exactly, effects by differences.
+"""Derivatives of loads by node positions, for implicit integrators: follower loads exactly, effects by differences.
 
-An effect is a function of positions and velocities that nobody has told us more about. Forces on a node mostly follow
-that node (springs, dampers, fields in space), so that moving all nodes at once, each up or down by chance, shows its
-2x2 block. The result is tried on another motion, and left out where it does not explain the forces there: an effect
+An effect is an unknown function of positions and velocities. Forces on a node mostly depend on
+this node (springs, dampers, fields in space), so that moving all nodes together, each up or down by chance, shows its
+2x2 block. The result is tested on another motion, and left out if it does not explain the forces there: an effect
 that couples distant nodes then converges linearly, as it would without.
 """
 
@@ -24,7 +24,7 @@ TRUSTED = 0.1  # relative error of the forces' change in another motion, up to w
 
 
 class LoadStiffness:
-    """One run's loads, bound to the pattern of the stiffness."""
+    """Loads of a run, bound to the pattern of the stiffness."""
 
     def __init__(self, model: ImplicitModel, place: Callable[[Ints, Ints], Ints]) -> None:
         self.followers = [
@@ -55,7 +55,7 @@ class _Entries:
 
 
 class OwnNodes:
-    """2x2 blocks of the nodes that an effect pushes on."""
+    """2x2 blocks of the nodes loaded by an effect."""
 
     def __init__(self, effect: Any, model: ImplicitModel, place: Callable[[Ints, Ints], Ints]) -> None:
         self.effect, state = effect, model.state
@@ -70,7 +70,7 @@ class OwnNodes:
         self.place = place(2 * self.at[:, None, None] + row, 2 * self.at[:, None, None] + column)
 
     def add(self, time: float, share: float, rate: float, data: Floats) -> None:
-        """Differences where forces depend on positions at all."""
+        """Add differences if forces depend on positions at all."""
         blocks = np.zeros((*self.displacement.shape, 2))
         for k in range(2):
             motion = np.zeros_like(self.signs)
@@ -84,7 +84,7 @@ class OwnNodes:
             data[self.place] -= share * blocks[self.at]
 
     def _change(self, time: float, motion: Floats, rate: float) -> Floats:
-        """Change of the forces (N, 2) per unit of a motion (N, 2)."""
+        """Return the change of the forces (N, 2) per unit of a motion (N, 2)."""
         before, speed = self.displacement.copy(), self.velocity.copy()
         change = np.zeros_like(before)
         for side in (1.0, -1.0):

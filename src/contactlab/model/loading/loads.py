@@ -1,4 +1,4 @@
-"""Loads on edge sets: pressure and shear that follow the edges or not, and dead tractions."""
+"""Loads on edge sets: pressure and shear, follower or not, and dead tractions."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def build_loads(
     run: RampTime,
     told: list[RunWarning],
 ) -> tuple[Load, ...]:
-    """One call for each of the scene's loads. `position` (N, 2) is read anew in each call."""
+    """Return a call for each of the scene's loads. Each call reads `position` (N, 2)."""
     loads = []
     for number, spec in enumerate(scene.loads):
         where = scene.where(f"loads.{number}")
@@ -56,8 +56,8 @@ def build_loads(
 class _EdgeTable:
     """Edges (e, b) with the integrals of their load.
 
-    share   (e, b, b) of factor, trace function of a node, and derivative of that of another
-    length  (e, b) [mm] before the run that each node stands for, times the factor
+    share   (e, b, b) of factor, trace function of a node, and derivative of another node's
+    length  (e, b) [mm] undeformed length of each node, times the factor
     """
 
     def __init__(self, along: Edges, points: Points) -> None:
@@ -70,12 +70,12 @@ class _EdgeTable:
         np.add.at(self.length, points.edge, weighted * along.speed(points.edge, points.at)[:, None])
 
     def add(self, positions: Floats, pressure: float, shear: float, out: Floats) -> None:
-        """Add the forces of a pressure and a shear on the edges as they lie at `positions`."""
+        """Add the forces of a pressure and a shear on the edges at `positions`."""
         edge_forces(positions, self.edges, self.share, pressure, shear, out)
 
 
 class FollowerLoad:
-    """Pressure and shear on the edges as they lie at `position`. A `Load`."""
+    """Pressure and shear on the edges at `position`. A `Load`."""
 
     def __init__(
         self, table: _EdgeTable, position: Floats, sizes: tuple[float, float], ramps: tuple[Ramp, Ramp]
@@ -87,11 +87,11 @@ class FollowerLoad:
         self.table.add(self.position, *self.values(time), out)
 
     def values(self, time: float) -> tuple[float, float]:
-        """Pressure and shear [MPa] at a time [s]."""
+        """Return pressure and shear [MPa] at a time [s]."""
         return self.sizes[0] * self.ramps[0](time), self.sizes[1] * self.ramps[1](time)
 
     def derivatives(self) -> tuple[Ints, Ints, Floats, Floats]:
-        """Derivatives of the nodal forces by positions: rows and columns (degrees of freedom), values per MPa of
+        """Return derivatives of the nodal forces by positions: rows and columns (degrees of freedom), values per MPa of
         pressure and of shear."""
         t = self.table
         # forces are shape_a times the tangent sum_b derivative_b x_b, turned by a right angle for the pressure
@@ -106,7 +106,7 @@ class FollowerLoad:
 def _along_edges(
     table: _EdgeTable, reference: Floats, position: Floats | None, courses: list[Course], run: RampTime
 ) -> Load:
-    """Pressure and shear; on the undeformed edges where no `position` is given."""
+    """Return pressure and shear; on the undeformed edges without `position`."""
     (p, pressure), (q, shear) = ((course.to, course.bind(run)) for course in courses)
     if position is not None:
         return FollowerLoad(table, position, (p, q), (pressure, shear))
@@ -117,7 +117,7 @@ def _along_edges(
 
 
 def _fixed(units: list[Floats], values: list[float], ramps: list[Ramp]) -> Load:
-    """Forces of fixed directions: `units` (N, 2) each, of which only the loaded nodes are touched."""
+    """Return forces of fixed directions: `units` (N, 2) each, of which only the loaded nodes are touched."""
     nodes = np.flatnonzero(np.any([unit.any(axis=1) for unit in units], axis=0))
     first, second = (np.ascontiguousarray(value * unit[nodes]) for value, unit in zip(values, units, strict=True))
 

@@ -1,4 +1,4 @@
-"""Whether nodes see a profile: supports, springs, gravity and velocities have it at nodes alone."""
+"""Check that nodes resolve a profile: supports, springs, gravity and velocities have it at nodes alone."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ if TYPE_CHECKING:
     from contactlab.model.bodies.body import Body
     from contactlab.model.loading.load_profile import Varying
 
-LIMIT = 0.02  # of the profile's integral: what nodes may miss
+LIMIT = 0.02  # of the profile's integral: error allowed between nodes
 PLACES = 33  # between two neighbours, or between a node and a break
-MOST = 20_000  # intervals that are looked at
+MOST = 20_000  # intervals that are checked
 NEARLY = 1e-9  # of the range: coordinates that differ by less are the same
 
 
 def tell_unresolved(
     profile: Varying, bodies: tuple[Body, ...], nodes: Ints, at: Floats, where: Where, told: list[RunWarning]
 ) -> None:
-    """Append a warning where values straight between nodes differ from the profile.
+    """Append a warning if linear interpolation between nodes differs from the profile.
 
     nodes  (k,) that have a value
-    at     (N,) what the profile varies with, at all nodes
+    at     (N,) variable of the profile, at all nodes
     """
     own = np.zeros(len(at), np.bool_)
     own[nodes] = True
@@ -33,7 +33,7 @@ def tell_unresolved(
     if not any(map(len, groups)):
         groups = [group[own[group].all(axis=1)] for group in _groups(bodies, whole=False)]
     low, high = _intervals([at[group] for group in groups if len(group)], float(np.ptp(at[nodes])))
-    if profile.by == "angle":  # what crosses the half line of 180 degrees is not looked at
+    if profile.by == "angle":  # intervals across the half line of 180 degrees are skipped
         low, high = low[high - low < 180.0], high[high - low < 180.0]
     missed = _missed(profile, low, high) if len(low) else 0.0
     if missed > LIMIT:
@@ -47,14 +47,14 @@ def tell_unresolved(
 
 
 def _groups(bodies: tuple[Body, ...], whole: bool) -> list[Ints]:
-    """Nodes (g, b) of cells of the `whole` bodies, or of the edges of their edge sets."""
+    """Return nodes (g, b) of cells of the `whole` bodies, or of the edges of their edge sets."""
     if whole:
         return [body.cells for body in bodies]
     return [edges + body.first for body in bodies for edges in body.mesh.edges.values()]
 
 
 def _intervals(groups: list[Floats], span: float) -> tuple[Floats, Floats]:
-    """Ends (m,), (m,) of what lies between neighbours within a cell or edge, each once."""
+    """Return ends (m,), (m,) of the intervals between neighbours within a cell or edge, each once."""
     if not groups or not span > 0.0:
         return np.zeros(0), np.zeros(0)
     found = []
@@ -69,7 +69,7 @@ def _intervals(groups: list[Floats], span: float) -> tuple[Floats, Floats]:
 
 
 def _missed(profile: Varying, low: Floats, high: Floats) -> float:
-    """Integral of |profile - values straight between the ends| over all intervals, over that of |profile|."""
+    """Return the integral of |profile - its linear interpolation| over all intervals, relative to |profile|."""
     breaks = np.sort(profile.breaks)
     first, last = np.searchsorted(breaks, low, side="right"), np.searchsorted(breaks, high, side="left")
     number = np.maximum(last - first, 0)
@@ -90,5 +90,5 @@ def _missed(profile: Varying, low: Floats, high: Floats) -> float:
     values, length = profile.values(x), (b - a)[:, None] / PLACES
     size = float((np.abs(values) * length).sum())
     off = float((np.abs(values - straight) * length).sum())
-    # a profile that no place sees, and no node, is no reason for a warning; one that nodes alone see is
+    # a profile that is 0 at all places and nodes is no reason for a warning; nonzero at nodes alone is
     return off / size if size > 0.0 else float(off > 0.0)

@@ -20,15 +20,15 @@ if TYPE_CHECKING:
 Ramp = Callable[[float], float]
 """Fraction of the final value at a time [s]."""
 
-SET_OUT, ARRIVE = 0.12, 0.35  # of the ramp: some ten periods each, at the pace of a run that follows the way
+SET_OUT, ARRIVE = 0.12, 0.35  # of the ramp: some ten periods each, at the pace of a run that follows the path
 
 
 class RampTime(NamedTuple):
-    """How long ramps take that name no duration.
+    """Duration of ramps that name none.
 
     duration  [s]
-    gentle    whether they set out and arrive without a jolt
-    end       [s] of the run, if they fill it: a ramp that begins later has what is left of it
+    gentle    True if they begin and end without a jolt
+    end       [s] of the run, if they fill it: a ramp that begins later has the rest of it
     """
 
     duration: float
@@ -36,7 +36,7 @@ class RampTime(NamedTuple):
     end: float | None = None
 
     def length(self, begin: float) -> float:
-        """Duration [s] of a ramp that begins at a time [s]."""
+        """Return the duration [s] of a ramp that begins at a time [s]."""
         return self.duration if self.end is None or begin >= self.end else self.end - begin
 
 
@@ -58,7 +58,7 @@ class Course(NamedTuple):
     function: tuple[Function, Where] | None = None
 
     def bind(self, run: RampTime) -> Ramp:
-        """The fraction in time when ramps that name no duration are those of the `run`."""
+        """Return the fraction in time, with the ramp time of the `run` for ramps that name no duration."""
         if self.shape == "table":
             return _table(self.points, self.begin)
         if self.function is not None:
@@ -72,7 +72,7 @@ class Course(NamedTuple):
         return run.length(self.begin) if self.duration is None else self.duration
 
     def over(self, run: RampTime) -> float:
-        """Time [s] from which on the value stays the same; infinite for a function that always changes."""
+        """Return the time [s] after which the value is constant; infinite for a function that always changes."""
         if self.shape == "table":
             return self.begin + self.points[-1][0]
         if self.function is not None:
@@ -80,7 +80,7 @@ class Course(NamedTuple):
         return self.begin + (0.0 if self.shape == "constant" else self._length(run))
 
     def corners(self, run: RampTime) -> tuple[float, ...]:
-        """Times [s] at which the value or its speed may jump."""
+        """Return times [s] at which the value or its speed may jump."""
         if self.shape == "table":
             return tuple(self.begin + time for time, _ in self.points)
         if self.function is not None:
@@ -89,22 +89,22 @@ class Course(NamedTuple):
 
     @property
     def timed(self) -> bool:
-        """Whether it says in seconds when or how fast it changes."""
+        """True if it gives in seconds when or how fast it changes."""
         return self.duration is not None or self.begin > 0.0 or self.shape in ("table", "function")
 
     @property
     def steady(self) -> bool:
-        """Whether the value never changes."""
+        """True if the value never changes."""
         return not self.moves or (self.shape == "constant" and self.begin <= 0.0)
 
     @property
     def moves(self) -> bool:
-        """Whether the value is ever nonzero."""
+        """True if the value is ever nonzero."""
         return self.to != 0.0
 
 
 def course_of(value: float | keys.Ramp | keys.Turn, registry: Registry, where: Where) -> Course:
-    """The course of a number (there from the start) or of a table of the scene at `where`."""
+    """Return the course of a number (there from the start) or of a table of the scene at `where`."""
     if isinstance(value, int | float):
         return Course(float(value))
     course = Course(value.to, value.ramp, value.duration, value.begin, getattr(value, "points", ()))
@@ -119,13 +119,13 @@ def course_of(value: float | keys.Ramp | keys.Turn, registry: Registry, where: W
 
 
 def courses_of(spec: object, names: tuple[str, ...], registry: Registry, where: Where) -> list[Course]:
-    """The courses of several keys of a table of the scene at `where`; of those that are not written, of 0."""
+    """Return the courses of several keys of a table of the scene at `where`; 0 for missing keys."""
     given = {name: getattr(spec, name) for name in names}
     return [course_of(0.0 if v is None else v, registry, below(where, name)) for name, v in given.items()]
 
 
 def parabola(duration: float) -> Ramp:
-    """d(t) = 1 - (1 - t/T)^2: starts at speed 2/T and ends with none (Baillet & Sassi 2005, 5.1)."""
+    """Return d(t) = 1 - (1 - t/T)^2: starts at speed 2/T and ends with none (Baillet & Sassi 2005, 5.1)."""
 
     def value(time: float) -> float:
         rest = 1.0 - min(time, duration) / duration
@@ -135,12 +135,12 @@ def parabola(duration: float) -> Ramp:
 
 
 def linear(duration: float) -> Ramp:
-    """Ramp that rises as t/T and stays at one."""
+    """Return a ramp that rises as t/T and stays at one."""
     return lambda time: min(time, duration) / duration
 
 
 def smooth(duration: float) -> Ramp:
-    """d(t) = 3 (t/T)^2 - 2 (t/T)^3: no speed at either end."""
+    """Return d(t) = 3 (t/T)^2 - 2 (t/T)^3: no speed at both ends."""
 
     def value(time: float) -> float:
         s = min(time, duration) / duration
@@ -150,12 +150,12 @@ def smooth(duration: float) -> Ramp:
 
 
 def constant(duration: float) -> Ramp:
-    """Ramp that has its full value from the start."""
+    """Return a ramp with its full value from the start."""
     return lambda time: 1.0
 
 
 def gentle(shape: Ramp, duration: float) -> Ramp:
-    """A ramp along `shape`, which is one at 1, paced so that "parabola" sets out and arrives without a jolt.
+    """Return a ramp along `shape`, which is one at 1, paced so that "parabola" begins and ends without a jolt.
 
     Speed rises over `SET_OUT` of the time, stays, and falls over `ARRIVE` of it, both as 3 q^2 - 2 q^3. All shapes run
     on the same clock, so that several of them pass through the same states as without it.
@@ -174,7 +174,7 @@ def gentle(shape: Ramp, duration: float) -> Ramp:
 
 
 def _eased(q: float) -> float:
-    """The integral of 3 q^2 - 2 q^3 from 0 to q."""
+    """Return the integral of 3 q^2 - 2 q^3 from 0 to q."""
     return q * q * q * (1.0 - 0.5 * q)
 
 
@@ -187,7 +187,7 @@ SHAPES: dict[str, Callable[[float], Ramp]] = {
 
 
 def _given(function: Function, where: Where) -> Ramp:
-    """What a function gives, one time after another."""
+    """Return values of a function, one time after another."""
     return lambda time: float(values_of(function, np.array(time), where))
 
 

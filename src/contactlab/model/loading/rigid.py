@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from contactlab.scene.keys import Arc, Rigid
     from contactlab.scene.scene import Scene
 
-SAGITTA = 1e-3  # of its radius: an arc rises at most so far above the segments that stand for it
+SAGITTA = 1e-3  # of its radius: largest height of an arc above its segments
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class RigidSurface:
     """A chain in global node numbers, first ... first + count - 1, the solid on its left.
 
     points  (count, 2) [mm] before the run
-    edges   (e, b) int32 global numbers, in the form of the edges that it is to touch
+    edges   (e, b) int32 global numbers, with as many nodes as the edges in contact with it
     """
 
     name: str
@@ -49,7 +49,7 @@ class RigidSurface:
 
 
 def build_rigid(scene: Scene, bodies: tuple[Body, ...]) -> tuple[RigidSurface, ...]:
-    """All rigid surfaces of the scene, numbered after the nodes of the bodies."""
+    """Return all rigid surfaces of the scene, numbered after the nodes of the bodies."""
     first = sum(body.count for body in bodies)
     surfaces: list[RigidSurface] = []
     for name, spec in scene.rigid.items():
@@ -68,7 +68,7 @@ def build_rigid(scene: Scene, bodies: tuple[Body, ...]) -> tuple[RigidSurface, .
 
 
 def _refuse_crossing(points: Floats, where: Where) -> None:
-    """Raise SceneError for a polyline that goes through itself, where no side of it is solid."""
+    """Raise SceneError for a polyline that intersects itself, where no side of it is solid."""
     segments = np.stack([np.arange(len(points) - 1), np.arange(1, len(points))], axis=1).astype(np.int32)
     place = crossing(points, segments, segments)
     if place is not None:
@@ -81,7 +81,7 @@ def _refuse_crossing(points: Floats, where: Where) -> None:
 
 
 def _facing(scene: Scene, bodies: tuple[Body, ...], name: str) -> list[Ints]:
-    """Edge sets that have this surface as their master."""
+    """Return edge sets that have this surface as their master."""
     found = []
     for number, contact in enumerate(scene.contacts):
         slaves, masters = contact.targets
@@ -92,21 +92,21 @@ def _facing(scene: Scene, bodies: tuple[Body, ...], name: str) -> list[Ints]:
 
 
 def _longest(edges: Ints, bodies: tuple[Body, ...]) -> float:
-    """Longest segment [mm] of an edge set; a quadratic edge is two segments."""
+    """Return the longest segment [mm] of an edge set; a quadratic edge is two segments."""
     nodes = np.concatenate([body.mesh.nodes for body in bodies])
     chord = nodes[edges[:, 1]] - nodes[edges[:, 0]]
     return float(np.hypot(chord[:, 0], chord[:, 1]).max() / (edges.shape[1] - 1))
 
 
 def _length(spec: Rigid) -> float:
-    """Length of a rigid surface [mm]."""
+    """Return the length of a rigid surface [mm]."""
     if spec.arc is not None:
         return float(abs(np.subtract(*np.radians(spec.arc.angles))) * spec.arc.radius)
     return float(np.hypot(*np.diff(np.array(spec.line), axis=0).T).sum())
 
 
 def _chain(spec: Rigid, segment: float, multiple: int) -> tuple[Floats, bool]:
-    """Points along the surface and whether they close; segments come in multiples of `multiple` per piece."""
+    """Return points along the surface and whether they close; segments come in multiples of `multiple` per piece."""
     if spec.arc is not None:
         return _arc(spec.arc, segment, multiple)
     corners = np.array(spec.line)
@@ -131,7 +131,7 @@ def _arc(arc: Arc, segment: float, multiple: int) -> tuple[Floats, bool]:
 
 
 def _edges(first: int, count: int, closed: bool, width: int) -> Ints:
-    """Edges (e, width): start, end, then the inner node of quadratic ones."""
+    """Return edges (e, width): start, end, then the inner node of quadratic ones."""
     step = width - 1
     start = first + np.arange(0, count if closed else count - 1, step)
     end = first + (start - first + step) % count

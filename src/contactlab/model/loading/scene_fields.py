@@ -1,4 +1,4 @@
-"""What laws need beside strains and slips: places, times, sizes, and fields of the scene."""
+"""Further inputs of laws besides strains and slips: places, times, sizes, and fields of the scene."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ InTime = Callable[[float], Floats | float]
 
 
 def fields_needed(law: Any) -> list[str]:
-    """Names in the `needs` of a law or material (class or instance) that are fields of the scene."""
+    """Return names in the `needs` of a law or material (class or instance) that are fields of the scene."""
     kind = law if isinstance(law, type) else type(law)
     kinds = {FrictionLaw: FrictionNeed, NormalLaw: NormalNeed}
     known = get_args(next((needs for law, needs in kinds.items() if issubclass(kind, law)), MaterialNeed))
@@ -33,13 +33,13 @@ def fields_needed(law: Any) -> list[str]:
 
 
 class SceneFields:
-    """The fields of a scene, and what laws need of them."""
+    """The fields of a scene, and the inputs that laws need of them."""
 
     def __init__(self, scene: Scene, ramps: RampTime) -> None:
         self.scene, self.ramps = scene, ramps
 
     def at(self, name: str, points: Floats, key: str) -> InTime:
-        """Values (k,) in time of a field at undeformed points (k, 2) [mm], which the part at `key` needs."""
+        """Return values (k,) in time of a field at undeformed points (k, 2) [mm], needed by the component at `key`."""
         scene, fields = self.scene, self.scene.fields
         if name not in fields:
             raise SceneError(
@@ -55,7 +55,7 @@ class SceneFields:
         return lambda time: ramp(time) * factors
 
     def filling(self, forces: BodyForces, reference: Floats) -> Callable[[float], None]:
-        """A function of time [s] that fills the rows of history which a body's law needs."""
+        """Return a function of time [s] that fills the rows of history which a body's law needs."""
         law, key = forces.body.material, f"materials.{self.scene.bodies[forces.body.name].material}"
         rows: list[tuple[Floats, InTime]] = []
         for block in forces.blocks:
@@ -77,12 +77,12 @@ class SceneFields:
         return fill
 
     def give(self, keeper: Any, points: Floats, key: str) -> None:
-        """Let what keeps the numbers of a law know the fields that the law needs, at points (k, 2) [mm]."""
+        """Pass the fields that a law needs, at points (k, 2) [mm], to the keeper of its numbers."""
         keeper.fields = {name: self.at(name, points, key) for name in fields_needed(keeper.law)}
 
 
 def _places(body: Body, connectivity: Ints, reference: Floats) -> tuple[Floats, Floats]:
-    """Undeformed places (P, 2) [mm] of the points of a block, and the root (P,) of the area of their cells."""
+    """Return undeformed places (P, 2) [mm] of the points of a block, and the root (P,) of the area of their cells."""
     rule = body.element.quadrature()
     value = body.element.shape(rule.points).value
     determinants = np.empty((len(rule.points), connectivity.shape[1]))

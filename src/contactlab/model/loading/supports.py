@@ -1,4 +1,4 @@
-"""Prescribed motion: supports and rigid surfaces, and the degrees of freedom they hold."""
+"""Prescribed motion: supports and rigid surfaces, and their degrees of freedom."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ Values = Callable[[float], Floats]
 
 @dataclass(frozen=True)
 class SupportedSet:
-    """What the supports on one set of nodes, or a rigid surface, hold: `on` as written in the scene.
+    """Degrees of freedom held by the supports on one set of nodes, or a rigid surface: `on` as written in the scene.
 
-    dof  those that the set holds and none before it does, so that every reaction counts once
+    dof  held by the set and by no earlier set, so that every reaction counts once
     """
 
     on: str
@@ -40,25 +40,25 @@ class SupportedSet:
     dof: Ints
 
     def force(self, reaction: Floats) -> Floats:
-        """Force (2,) [N] of the set on its body; `reaction` (N, 2) [N] of all nodes."""
+        """Return the force (2,) [N] of the set on its body; `reaction` (N, 2) [N] of all nodes."""
         own = reaction.reshape(-1)[self.dof]
         along_x = self.dof % 2 == 0
         return np.array([own[along_x].sum(), own[~along_x].sum()])
 
 
 class Shift(NamedTuple):
-    """One value in time that all its nodes share."""
+    """A value in time that all its nodes share."""
 
     course: Course
     size: int = 1
 
     def bind(self, run: RampTime) -> Ramp:
-        """A function that gives the displacement at a time [s]."""
+        """Return a function that gives the displacement at a time [s]."""
         return self.course.bind(run)
 
     @property
     def steady(self) -> bool:
-        """Whether the value never changes."""
+        """True if the value never changes."""
         return self.course.steady
 
 
@@ -76,7 +76,7 @@ class Rotation(NamedTuple):
 
     @property
     def steady(self) -> bool:
-        """Whether the values never change."""
+        """True if the values never change."""
         return self.angle.steady and self.ux.steady and self.uy.steady
 
     @property
@@ -85,7 +85,7 @@ class Rotation(NamedTuple):
         return 2 * len(self.offsets)
 
     def bind(self, run: RampTime) -> Values:
-        """A function that gives the displacements (2 n,) [mm] at a time [s]."""
+        """Return a function that gives the displacements (2 n,) [mm] at a time [s]."""
         courses = (self.angle, self.ux, self.uy)
         angle, ux, uy = ((course.to, course.bind(run)) for course in courses)
         x, y = np.array(self.offsets).T
@@ -124,7 +124,7 @@ class Prescribed:
                 self._several.append((place, motion.bind(run)))
 
     def values(self, time: float) -> Floats:
-        """Ramp values at `time` [s]; the same array every call."""
+        """Return ramp values at `time` [s]; the same array every call."""
         values = self._values
         for place, ramp in self._single:
             values[place] = ramp(time)
@@ -138,8 +138,8 @@ class SupportPlan:
     """All prescribed motion of a scene before the times of the run are known.
 
     dof, scale, ramp  as in `contactlab.api.PrescribedMotion`
-    motions           whose values follow one another in the ramp values
-    moving            (2,) whether anything is moved along x, along y
+    motions           whose values are concatenated in the ramp values
+    moving            (2,) True if anything is moved along x, along y
     """
 
     dof: Ints
@@ -150,14 +150,14 @@ class SupportPlan:
     moving: tuple[bool, bool]
 
     def bind(self, run: RampTime) -> Prescribed:
-        """The prescribed motion when ramps that name no duration are those of the `run`."""
+        """Return the prescribed motion, with the ramp time of the `run` for ramps that name no duration."""
         return Prescribed(self.dof, self.scale, self.ramp, self.motions, run)
 
 
 def plan_supports(
     scene: Scene, bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...], reference: Floats, told: list[RunWarning]
 ) -> SupportPlan:
-    """Which degrees of freedom the scene prescribes; SceneError where two supports disagree. `told` gets warnings."""
+    """Return prescribed degrees of freedom; SceneError if two supports disagree. `told` gets warnings."""
     plan = _Plan(reference, scene.registry)
     for number, spec in enumerate(scene.supports):
         where = scene.where(f"supports.{number}")
@@ -177,7 +177,7 @@ def _factors(
     where: Where,
     told: list[RunWarning],
 ) -> Floats:
-    """What the values of a support are multiplied by at each of its nodes (n,)."""
+    """Return factors of the values of a support at each of its nodes (n,)."""
     if spec.profile is None:
         return np.ones(len(nodes))
     key = below(where, "profile")
@@ -215,7 +215,7 @@ class _Plan:
         self.moving = [False, False]
 
     def add(self, on: str, nodes: Ints, spec: Support | Rigid, where: Where, scales: Floats | None = None) -> None:
-        """Hold or move `nodes` as the table at `where` says, times `scales` (n,) by node."""
+        """Hold or move `nodes` by the table at `where`, times `scales` (n,) by node."""
         scales = np.ones(len(nodes)) if scales is None else scales
         self.on = on
         self.sets[on] = nodes
@@ -244,7 +244,7 @@ class _Plan:
                 self._hold(2 * node + component, _Held(1.0, place + 2 * k + component, None), key)
 
     def _append(self, motion: Motion) -> int:
-        """Add the values of a motion; returns where they begin."""
+        """Add the values of a motion. Return their first position."""
         begin = self.places
         self.motions.append(motion)
         self.places += motion.size
@@ -259,11 +259,11 @@ class _Plan:
                 where=where,
                 got=f"{_words(new)} after {_words(old)}",
                 allowed="one displacement for each node",
-                hint="let supports overlap only where they agree",
+                hint="let supports overlap only if they agree",
             )
 
     def finished(self) -> SupportPlan:
-        """All of it, in the order of the degrees of freedom."""
+        """Return the complete plan, in the order of the degrees of freedom."""
         order = sorted(self.held)
         own = {on: np.array([dof for dof in order if self.owner[dof] == on], np.int32) for on in self.sets}
         return SupportPlan(
@@ -277,7 +277,7 @@ class _Plan:
 
 
 def _agree(old: _Held, new: _Held) -> bool:
-    """Whether two supports give the same displacement at all times; zero is zero whatever its ramp."""
+    """Return whether two supports give the same displacement at all times; zero is zero for any ramp."""
     if old.course is None or new.course is None:
         return False
     same = old.course == new.course and old.scale == new.scale

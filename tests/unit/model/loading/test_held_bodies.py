@@ -16,7 +16,7 @@ def refused(make, changes: dict, *words: str, **tables) -> None:  # type: ignore
 
 
 def test_surfaces_that_turn_their_backs_are_refused(make) -> None:
-    refused(make, {"contacts.0.slave": "upper.top"}, "turn their backs", "upper.top", "contacts.0")
+    refused(make, {"contacts.0.slave": "upper.top"}, "face away from each other", "upper.top", "contacts.0")
 
 
 def test_surfaces_that_look_away_from_each_other_are_refused(make) -> None:
