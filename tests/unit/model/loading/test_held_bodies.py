@@ -20,7 +20,7 @@ def test_surfaces_that_turn_their_backs_are_refused(make) -> None:
 
 
 def test_surfaces_that_look_away_from_each_other_are_refused(make) -> None:
-    refused(make, {"contacts.0.slave": "upper.top", "contacts.0.master": "lower.bottom"}, "look away", "2 mm")
+    refused(make, {"contacts.0.slave": "upper.top", "contacts.0.master": "lower.bottom"}, "face away", "2 mm")
 
 
 def test_bodies_far_apart_and_side_by_side_are_accepted(make) -> None:
