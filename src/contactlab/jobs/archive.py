@@ -78,7 +78,7 @@ class StoredRow:
 
 
 class _Place(NamedTuple):
-    """When an entry was made, and its row in the file."""
+    """Time at which an entry was made, and its row in the file."""
 
     made: str
     row: int

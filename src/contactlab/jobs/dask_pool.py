@@ -82,7 +82,7 @@ class DaskPool(Pool):
             mine.set_exception(RaisedError(f"{type(error).__name__}: {error}", ""))
 
     def stop(self) -> None:
-        """Drop what has not begun and tell what runs to stop in order."""
+        """Drop what has not begun and stop what runs in order."""
         self._client.run(dask_worker.stop, self._name, on_error="ignore")
 
     def kill(self) -> None:

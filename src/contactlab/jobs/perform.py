@@ -29,7 +29,7 @@ from contactlab.results.result_file import FILE
 from contactlab.scene.scene import Scene
 
 LEEWAY = 2.0
-"""Times the limit of CPU time after which a run is stopped: limits count the steps, the clock counts building, too."""
+"""Multiple of the CPU time limit at which a run is stopped: limits count the steps, the clock counts building, too."""
 # Far below the stable step of any scene and far above round-off in time: enough to call every kernel.
 _WARM_UP = {"level": 1, "time.step": 1e-12, "time.end": 4e-12, "time.ramp": 1.0}
 

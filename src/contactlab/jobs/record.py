@@ -15,7 +15,7 @@ from contactlab.results.results import Results
 
 
 def record_of(results: Results, job: Job) -> Record:
-    """Keep of the results of a run what the job asks for."""
+    """Keep the results of a run that the job requests."""
     names = [contact.name for contact in results.layout.contacts]
     first = -1 if job.curves == "last" else 0
     fields: dict[str, Any] = {}

@@ -13,7 +13,7 @@ from contactlab.jobs.keys import run_key
 from contactlab.scene.scene import Scene
 
 Plan = Generator[Sequence[Any], Sequence[Any], Any]
-"""Yields runs and further plans, is sent their records and results in this order, and returns its own result."""
+"""Generator of runs and further plans, which is sent their records and results in order and returns its own result."""
 
 
 def always() -> str:

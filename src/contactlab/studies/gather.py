@@ -1,4 +1,4 @@
-"""From the records of runs to the rows of a table."""
+"""Rows of a table from the records of runs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From the summary and the curve of one run to the numbers of its row."""
+"""Numbers of a row from the summary and the curve of one run."""
 
 from __future__ import annotations
 

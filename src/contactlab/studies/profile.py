@@ -44,7 +44,7 @@ class Profile:
 
     @classmethod
     def of_nodes(cls, x: Floats, value: Floats) -> Profile:
-        """From nodes in chain order, in either direction. Raises FoldedSurfaceError."""
+        """Make a profile from nodes in chain order, in either direction. Raises FoldedSurfaceError."""
         ordered = _in_order(x, value)
         if ordered is None:
             # Sides of a body may stand upright as long as nothing presses there.
@@ -95,7 +95,7 @@ def _in_order(x: Floats, value: Floats) -> tuple[Floats, Floats] | None:
 
 
 def _pressed_part(x: Floats, value: Floats) -> tuple[Floats, Floats]:
-    """From the node before the first value that is not zero to the node after the last one."""
+    """Part from the node before the first value that is not zero to the node after the last one."""
     pressed = np.flatnonzero(value)
     if pressed.size == 0:
         return x[:0], value[:0]

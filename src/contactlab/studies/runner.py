@@ -34,7 +34,7 @@ from contactlab.studies.table_files import write_table
 RECORDER, SUMMARY = "vtkhdf", "summary.json"
 Records = dict[str, Record]
 Keep = Callable[[Row, Scene, str], None]
-"""Called with a row, its scene and the name of the machine that made it."""
+"""Function called with a row, its scene and the name of the machine that made it."""
 
 
 def planned(

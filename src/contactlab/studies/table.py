@@ -38,7 +38,7 @@ def applied_share(summary: Mapping[str, Any]) -> float:
 
 
 def carried_load(status: str, share: float) -> bool:
-    """True for a run that applied its whole load, settled or not."""
+    """Return whether a run applied its whole load, settled or not."""
     return status == "finished" or (status == "not-converged" and share >= NEARLY)
 
 
@@ -91,12 +91,12 @@ class Row:
 
     @property
     def finished(self) -> bool:
-        """True when the run came to its end."""
+        """Return whether the run finished."""
         return self.status == "finished"
 
     @property
     def complete(self) -> bool:
-        """True when the whole load was applied, settled or not: only then are pressures compared."""
+        """Return whether the whole load was applied, settled or not: only then are pressures compared."""
         return carried_load(self.status, self.share)
 
     @cached_property

@@ -12,7 +12,7 @@ import numpy as np
 from contactlab.errors import RequestError, Where, below
 
 TIE = "&"
-"""Between keys that take their values together."""
+"""Separator of keys that take their values together."""
 RANGES = ("linspace", "logspace")
 _ALLOWED = (
     "a list of values; {linspace = [FIRST, LAST, COUNT]}; {logspace = [FIRST, LAST, COUNT]}; "

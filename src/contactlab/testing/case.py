@@ -115,7 +115,7 @@ def _scenes(case: Case, setup: Setup) -> list[object]:
 
 
 def outlives_failures(case: Case) -> None:
-    """If every run fails, planning ends, and evaluation leaves numbers out."""
+    """Planning ends, and evaluation leaves numbers out, if every run fails."""
     for setup in setups(case):
         done: dict[str, Record] = {}
         while fresh := [job for job in case.plan(setup, done) if job.name not in done]:

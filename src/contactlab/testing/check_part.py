@@ -20,7 +20,7 @@ FATAL = {"pieces_keep_their_bounds"}
 """Checks without which no other is made: compiled code that writes outside its arrays would spoil this process."""
 
 Told = Callable[[Subject, Outcome], None]
-"""Called after each check."""
+"""Function called after each check."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ def _outcomes(subject: Subject, only: Collection[str]) -> Iterator[Outcome]:
 
 
 def keeps_the_contract(subject: Subject) -> None:
-    """It is a class of its kind with all members of the contract, and can be made from usual values."""
+    """The part is a class of its kind with all members of the contract, and can be made from usual values."""
     try:
         subject.part_class  # noqa: B018 - raises if it is none
         subject.make()

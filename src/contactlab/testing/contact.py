@@ -51,7 +51,7 @@ def forces_cancel(algorithm: ContactMethod) -> None:
 
 
 def moments_cancel_on_a_flat(algorithm: ContactMethod) -> None:
-    """On flat surfaces a normal force has no moment, at any gap."""
+    """A normal force on flat surfaces has no moment, at any gap."""
     for lift in (0.0, 0.1):
         at = flat().lifted((0.0, lift)).turned(0.4)
         found = conditions(algorithm, at)

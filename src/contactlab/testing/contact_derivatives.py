@@ -15,7 +15,7 @@ from contactlab.testing.surfaces import Chains, Rough, curved, flat
 STEP = 1e-6  # mm; differences of gaps then err by 1e-9, of forces of some hundred newtons per mm by 1e-7
 GAPS, FORCES = 1e-6, 1e-5
 SLIPS = {"quadratic edges": 1e-3}
-"""For slips if normals at the start of the step turn as projection points move on a parabola: derivatives omit that."""
+"""Tolerances of slips if start normals turn as projection points move on a parabola: derivatives omit that."""
 
 
 Answers = tuple[Floats, Floats, Floats]

@@ -22,7 +22,7 @@ NUMBERS = ("start", "node", "owner")
 """Arrays of gap conditions that hold int32."""
 NOTCH = 0.6  # slope of its sides
 GLIDE, STRIDE = 0.15, 0.005
-"""How far a slave glides and its steps [mm]: half a segment, in steps a third of where nodes face two segments."""
+"""Way of a gliding slave and its steps [mm]: half a segment, in steps a third of where nodes face two segments."""
 
 
 def view_of(algorithm: ContactMethod, at: Chains, memory: Floats | None = None) -> ContactView:

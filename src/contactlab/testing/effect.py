@@ -130,7 +130,7 @@ def remembers_nothing(effect: Effect) -> None:
 
 
 def memory_counts(effect: Effect) -> None:
-    """It gives back all that it remembers, changed by a step, leaves what it is given alone, and follows it."""
+    """Memory is returned in full, changed by a step; the given memory is left alone, and forces follow it."""
     if not effect.memory:
         raise NotApplicable("it declares no memory")
     view = Scenery.moving(15).view
@@ -175,7 +175,7 @@ def numbers_count(effect: Effect) -> None:
 
 
 def units_do_not_matter_to_it(effect: Effect) -> None:
-    """In m, ms and kPa instead of mm, s and MPa it has the same forces, by the units of its docstring."""
+    """Forces are the same in m, ms and kPa as in mm, s and MPa, by the units of the docstring."""
     for one in (effect, *(other for _, other in varied(effect))):
         other, view = in_other_units(one), Scenery.moving(13).view
         scaled = view._replace(
@@ -188,7 +188,7 @@ def units_do_not_matter_to_it(effect: Effect) -> None:
 
 
 def masses_are_asked_for(effect: Effect) -> None:
-    """In statics there are no masses: it works without, refuses it by a ValueError, or declares `needs_mass`."""
+    """An effect in statics works without masses, refuses that by a ValueError, or declares `needs_mass`."""
     if effect.needs_mass:
         raise NotApplicable("it declares needs_mass, and has masses in statics")
     view = Scenery.moving(14).view._replace(mass=np.zeros(0))
@@ -202,7 +202,7 @@ def masses_are_asked_for(effect: Effect) -> None:
 
 
 def work_around_a_path_is_declared(effect: Effect) -> None:
-    """Around closed paths of displacements the forces do no work, if the part declares that it is `conservative`."""
+    """Forces do no work around closed paths of displacements, if the part declares that it is `conservative`."""
     if effect.memory:
         raise NotApplicable("its forces depend on its memory: their work around a path depends on time")
     scenery = Scenery.moving(8)
@@ -256,7 +256,7 @@ def resultants_are_declared(effect: Effect) -> None:
 
 
 def times_are_declared(effect: Effect) -> None:
-    """After the last of its `times` forces in a given state stay the same: a run that ends later misses nothing."""
+    """Forces in a given state stay the same after the last of its `times`: a run that ends later misses nothing."""
     for one in (effect, *(other for _, other in varied(effect))):
         last = max((0.0, *one.times()))
         if not np.isfinite(last):

@@ -109,7 +109,7 @@ def quadrature_exactness(element: Element) -> None:
 
 
 def trace_is_the_shape(element: Element) -> None:
-    """On a side the edge's own functions are the shape functions, and all others vanish there."""
+    """The edge's own functions are the shape functions on a side, and all others vanish there."""
     s = np.linspace(-1.0, 1.0, 7)
     nodes = np.asarray(element.nodes)
     value, derivative = element.edge_shape(s)
@@ -243,7 +243,7 @@ def kernels_leave_inputs_alone(element: Element) -> None:
 
 
 def kernels_are_at_the_points(element: Element) -> None:
-    """On parallelograms kernels give the gradient at the points of the rule; its trace may be averaged."""
+    """Kernels on parallelograms give the gradient at the points of the rule; its trace may be averaged."""
     turn = np.array([[1.2, 0.3], [-0.2, 0.8]])
     cell = Cells(element, np.asarray(element.nodes) @ turn.T, np.arange(len(element.nodes), dtype=np.int32)[:, None])
     field = np.random.default_rng(12).normal(size=cell.nodes.shape)
@@ -264,7 +264,7 @@ def kernels_are_at_the_points(element: Element) -> None:
 
 
 def locking_is_declared(element: Element) -> None:
-    """In the motion (x^2, -2 x y), which keeps volumes, points see no change of volume, or the element locks."""
+    """Points see no change of volume in the isochoric motion (x^2, -2 x y), or the element declares that it locks."""
     if not element.exact:
         raise NotApplicable("assumes strains of the shape functions: exact is False")
     x, y = element.nodes.T

@@ -109,7 +109,7 @@ def slots_are_kept_apart(enforcement: Enforcement) -> None:
 
 
 def nothing_to_do(enforcement: Enforcement) -> None:
-    """Without rows, and with open rows only, there are no forces."""
+    """There are no forces without rows, and with open rows only."""
     for rows in (rows_from(np.zeros((0, 2, 2)), np.zeros(0)), rows_from(np.ones((1, 2, 2)), [_far(enforcement)])):
         multipliers = np.zeros((1, 1))
         done, force = solved(enforcement, rows, np.ones((2, 2)), multipliers)
@@ -177,7 +177,7 @@ def friction_keeps_its_bound(enforcement: Enforcement) -> None:
 
 
 def units_do_not_matter_to_them(enforcement: Enforcement) -> None:
-    """In m, ms and kPa instead of mm, s and MPa explicit forces are the same, by the units of the docstring."""
+    """Explicit forces are the same in m, ms and kPa as in mm, s and MPa, by the units of the docstring."""
     _explicit(enforcement)
     other = in_other_units(enforcement)
     rows, compliance, _, gap = _problem(8)

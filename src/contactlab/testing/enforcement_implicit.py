@@ -246,7 +246,7 @@ def _all_of(part: ImplicitEnforcement) -> list[Floats]:
 
 
 def units_do_not_matter_to_it(enforcement: Enforcement) -> None:
-    """In m, ms and kPa instead of mm, s and MPa it has the same forces, by the units of its docstring."""
+    """Forces are the same in m, ms and kPa as in mm, s and MPa, by the units of the docstring."""
     part = _implicit(enforcement)
     other, (conditions, _) = in_other_units(part), some_conditions()
     scale = scale_of(part, "length_scale", 1e-3)

@@ -102,11 +102,11 @@ class _Project(Distribution):
 
     @property
     def version(self) -> str:
-        """Empty if it is not written down."""
+        """Version in the table; empty if there is none."""
         return str(self.table.get("version", ""))
 
     def read_text(self, filename: str) -> str | None:
-        """Nothing is installed, so that there is nothing to read."""
+        """Return None: nothing is installed, so there is nothing to read."""
         return None
 
     def locate_file(self, path: Any) -> Any:

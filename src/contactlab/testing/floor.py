@@ -76,7 +76,7 @@ class ImplicitFloor:
             self.conditions.slip[:] = position[:, 0] - self.start
 
     def settled(self) -> bool:
-        """Always: there is no potential."""
+        """Return True: there is no potential."""
         return True
 
     def dissipation(self) -> float:

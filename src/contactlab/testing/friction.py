@@ -139,7 +139,7 @@ def bound_grows_with_pressure(law: FrictionLaw) -> None:
 
 
 def rubs_at_all(law: FrictionLaw) -> None:
-    """Under pressure some tangential force is allowed, or the scene should declare no friction."""
+    """Some tangential force is allowed under pressure, or the scene should declare no friction."""
     largest = limit(bound_of(law, *_usual(law)), 100.0).max()
     # a law whose numbers are zero asks for a limit of zero itself
     fields = [getattr(law, field.name) for field in dataclasses.fields(law)]  # type: ignore[arg-type]
@@ -254,7 +254,7 @@ def slip_both_ways(law: FrictionLaw) -> None:
 
 
 def units_do_not_matter_to_the_law(law: FrictionLaw) -> None:
-    """In m, ms and kPa instead of mm, s and MPa a law has the same coefficient and cap, and its adhesion in kPa."""
+    """A law has the same coefficient and cap in m, ms and kPa as in mm, s and MPa, and its adhesion in kPa."""
     for one in (law, *(changed for _, changed in varied(law))):
         _fits_together(one)
 

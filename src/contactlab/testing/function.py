@@ -72,7 +72,7 @@ def numbers_count(function: Function) -> None:
 
 
 def stays_after_its_end(function: Function) -> None:
-    """From its `end` on the value is the same; it is a number, or infinite if it always changes."""
+    """The value is constant from `end` on, which is a number, or infinite if the value always changes."""
     for one in _family(function):
         end = one.end()
         require(not np.isnan(end), "end() is not a number")
@@ -95,7 +95,7 @@ def breaks_are_declared(function: Function) -> None:
 
 
 def units_do_not_matter(function: Function) -> None:
-    """With places, and fields that are places by their docstring, in m instead of mm it gives the same factors."""
+    """Factors are the same with places, and fields that are places by their docstring, in m instead of mm."""
     if any(unit.startswith("degree") for unit in units_of(type(function)).values()):
         raise NotApplicable("its places are angles, which have one unit")
     other = in_other_units(function, time=LONG)  # s as mm: whether places are lengths or times is the scene's affair

@@ -29,7 +29,7 @@ def _moving(integrator: AnyIntegrator) -> AnyIntegrator:
 
 
 def declarations(integrator: AnyIntegrator) -> None:
-    """It needs an enforcement, names a default one, and its order is an integer (duty 1)."""
+    """An integrator needs an enforcement, names a default one, and its order is an integer (duty 1)."""
     require(
         isinstance(integrator.needs, type) and issubclass(integrator.needs, Enforcement), "needs: not an Enforcement"
     )
@@ -68,7 +68,7 @@ def converges_at_its_order(integrator: AnyIntegrator) -> None:
 
 
 def free_flight_is_exact(integrator: AnyIntegrator) -> None:
-    """Without forces every node moves in a straight line at its speed."""
+    """Every node moves in a straight line at its speed without forces."""
     _moving(integrator)
     model = Oscillator(integrator, MASS, 0.0 * STIFFNESS, velocity=START)
     path = model.run(1000, 0.01)
@@ -78,7 +78,7 @@ def free_flight_is_exact(integrator: AnyIntegrator) -> None:
 
 
 def constant_force_gives_the_parabola(integrator: AnyIntegrator) -> None:
-    """Under a constant force the path is a parabola, from the first step on."""
+    """The path under a constant force is a parabola, from the first step on."""
     _moving(integrator)
     if integrator.order < 2:
         raise NotApplicable("a first-order integrator is not exact on a parabola")
@@ -137,7 +137,7 @@ def velocities_are_where_declared(integrator: AnyIntegrator) -> None:
 
 
 def forces_belong_to_the_end_of_the_step(integrator: AnyIntegrator) -> None:
-    """After a step, positions and internal forces belong to its displacement."""
+    """Positions and internal forces after a step belong to its displacement."""
     model = Oscillator(integrator, MASS, STIFFNESS, velocity=START, force=START)
     for _ in range(3):
         model.advance(0.1)

@@ -101,7 +101,7 @@ def friction_takes_the_energy_of_what_slides(integrator: AnyIntegrator) -> None:
 
 
 def statics_are_in_equilibrium(integrator: AnyIntegrator) -> None:
-    """After a load step internal forces are loads, contact forces with their friction, and reactions."""
+    """Internal forces after a load step balance loads, contact forces with their friction, and reactions."""
     if integrator.inertia:
         raise NotApplicable("with inertia forces need not balance")
     load = LOAD[:, None] * np.array([0.1, -1.0])

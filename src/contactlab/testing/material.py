@@ -290,7 +290,7 @@ def same_answer_twice(law: Material) -> None:
 
 
 def other_values_are_right(law: Material) -> None:
-    """With other numbers than usual, tangent, wave speeds, energy and dissipation still belong to the stress."""
+    """Tangent, wave speeds, energy and dissipation belong to the stress for other than usual numbers, too."""
     checks = (speeds_belong_to_the_tangent, tangent_is_the_derivative, energy_belongs_to_the_stress)
     works = material_states.work_is_stored_or_dissipated
     for name, other, all_of_it in (
@@ -315,7 +315,7 @@ def numbers_count(law: Material) -> None:
 
 
 def needs_count(law: Material) -> None:
-    """Whatever a law declares in needs changes its stress."""
+    """Everything that a law declares in needs changes its stress."""
     if not law.needs:
         raise NotApplicable("the law declares no needs")
     gradient, history = gradients(law, POINTS, STRAIN), some_history(law, POINTS)

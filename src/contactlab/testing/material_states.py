@@ -60,7 +60,7 @@ def plane_strain(law: Material) -> None:
 
 
 def across_is_across(law: Material) -> None:
-    """Under a strain along x that is held for some steps, stresses along y and across the plane are the same."""
+    """Stresses along y and across the plane are equal under a strain along x that is held for some steps."""
     _isotropic(law)
     gradient, history = points.at_rest(law, 1), points.no_history(law, 1)
     gradient[0] += -0.02 if law.kinematics == "finite" else 0.02
@@ -73,7 +73,7 @@ def across_is_across(law: Material) -> None:
 
 
 def work_is_stored_or_dissipated(law: Material) -> None:
-    """Along a path of many small steps the work of the stresses is the stored plus the dissipated energy."""
+    """The work of the stresses along a path of many small steps is the stored plus the dissipated energy."""
     if not law.has_energy:
         raise NotApplicable("the law declares no stored energy")
     if law.kinematics == "rate":

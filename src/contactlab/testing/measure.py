@@ -60,7 +60,7 @@ def says_what_it_is(measure: RunMeasure) -> None:
 
 
 def finds_a_number(measure: RunMeasure) -> None:
-    """With a reference and without: one number, NaN without one that it needs; finite in one of both."""
+    """A measure gives one number with and without a reference, NaN if it needs one; finite in one of both."""
     with_one, without = (measure.evaluate(record(), CONTACT, reference) for reference in (solution(), None))
     for value in (with_one, without):
         require(np.ndim(value) == 0 and isinstance(float(value), float), f"it gives {value!r}, needed: a number")
@@ -82,7 +82,7 @@ def _other(one: float, two: float) -> bool:
 
 
 def looks_at_its_contact(measure: RunMeasure) -> None:
-    """In a run with two contacts it finds the number of the requested contact."""
+    """A measure finds the number of the requested contact in a run with two contacts."""
     alone = measure.evaluate(record(), CONTACT, solution())
     both = replace(record(), curves={CONTACT: spoilt(record()).curves[CONTACT], "contacts.1": record().curves[CONTACT]})
     second = measure.evaluate(both, "contacts.1", solution())
@@ -152,7 +152,7 @@ def _mirrored() -> Record:
 
 
 def outlives_empty_contacts(measure: RunMeasure) -> None:
-    """It gives a number or NaN, and raises nothing, if nothing is pressed."""
+    """A measure gives a number or NaN, and raises nothing, if nothing is pressed."""
     curve = record().curve()
     empty = {name: np.zeros_like(getattr(curve, name)) for name in ("pressure", "shear", "nodal_pressure", "state")}
     nothing = replace(record(), curves={CONTACT: [replace(curve, **empty)]})

@@ -122,7 +122,7 @@ def points_move_as_a_whole(source: MeshSource) -> None:
 
 
 def units_do_not_matter(source: MeshSource) -> None:
-    """With its lengths in m instead of mm the nodes are at the same places."""
+    """Nodes are at the same places with lengths in m instead of mm."""
     other = in_other_units(source)
     agree(
         other.mesh(FourNodes(), 1).nodes,

@@ -131,7 +131,7 @@ def memory_is_only_in_the_state(enforcement: Enforcement) -> None:
 
 
 def pressure_is_right_under_what_it_remembers(enforcement: Enforcement) -> None:
-    """After steps at deep gaps pressures neither pull nor fall as gaps close, and slopes are their derivatives."""
+    """Pressures after steps at deep gaps neither pull nor fall as gaps close, and slopes are their derivatives."""
     law = _remembers(enforcement)
     gap, step = _deep(law), APART * _length(law)
     named = _later(law, np.full(COUNT, gap.min()), 1e4, 0.5, named_of(law, COUNT))
@@ -361,7 +361,7 @@ def stiffness_behind_scales(enforcement: Enforcement) -> None:
 
 
 def units_do_not_matter_to_the_pressure(enforcement: Enforcement) -> None:
-    """In m, ms and kPa instead of mm, s and MPa a law has the same pressures, by the units of its docstring."""
+    """A law has the same pressures in m, ms and kPa as in mm, s and MPa, by the units of its docstring."""
     law = _law(enforcement)
     other, gap = in_other_units(law), _gaps(law)
     behind = (STRESS / LONG * 1e4, LONG * 0.5), (1e4, 0.5)

@@ -1,4 +1,4 @@
-"""Points to try a material on: gradients of the kind that its `kinematics` asks for, and histories that occurred."""
+"""Points to try a material on: gradients of the kind that its `kinematics` needs, and histories that occurred."""
 
 from __future__ import annotations
 

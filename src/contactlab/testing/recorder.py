@@ -18,7 +18,7 @@ from contactlab.testing.assertions import Check, NotApplicable, require, untouch
 
 STEPS_PER_FRAME = 5
 IN_SINGLE = 1e-4
-"""Of the largest value of a field: files keep 14 significant bits of most."""
+"""Share of the largest value of a field: files keep 14 significant bits of most."""
 SUMMARY: dict[str, Any] = {"format": 1, "status": "finished", "reason": "", "steps": 3 * STEPS_PER_FRAME}
 
 
@@ -211,7 +211,7 @@ def _told(recorder: Recorder, what: str, frame: int | None, step: int | None) ->
 
 
 def bodies_are_told_apart(recorder: Recorder) -> None:
-    """If what is written follows the stresses of one body, it follows those of each."""
+    """Files follow the stresses of every body, or of none."""
     bodies = ("first", "second")
 
     def written(spoilt: str = "") -> dict[str, bytes]:

@@ -26,7 +26,7 @@ STRANGE: tuple[dict[str, Any], ...] = ({}, {"name": "x"}, {"contacts": [], "bodi
 
 
 def scenes(reference: ReferenceSolution) -> Iterator[Scene]:
-    """Its examples, and bundled scenes to which it applies, as they are or at other depths of the first support."""
+    """Yield its examples, and bundled scenes to which it applies, as they are or at another depth of a support."""
     for example in reference.examples():
         scene = Scene.from_data(dict(example))
         why = reference.mismatch(scene.data)
@@ -66,7 +66,7 @@ def does_not_depend_on_the_mesh(reference: ReferenceSolution) -> None:
 
 
 def can_be_compared_with(reference: ReferenceSolution) -> None:
-    """Its pressure is a function of x, with an error; equal each time, the scene left as it was."""
+    """Pressures are functions of x, with an error; equal each time, the scene left as it was."""
     for scene in _some(reference):
         data: Mapping[str, Any] = scene.data
         before = copy.deepcopy(dict(data))

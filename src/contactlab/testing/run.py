@@ -16,7 +16,7 @@ from contactlab.errors import RequestError, one_line
 from contactlab.testing.assertions import Check, Expected, NotApplicable, Undeclared
 
 LIBRARIES = ("numpy", "scipy", "numba")
-"""If a part raises an error in them, the line of the part is reported."""
+"""Libraries for whose errors the line of the part is reported."""
 
 Status = Literal["passed", "failed", "not applicable", "expected"]
 

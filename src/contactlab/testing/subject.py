@@ -45,7 +45,7 @@ class Subject:
 
     @property
     def part_class(self) -> type[Any]:
-        """Its class. Raises PartError if it cannot be imported or breaks the contract."""
+        """Class of the part. Raises PartError if it cannot be imported or breaks the contract."""
         return self.registry.part_class(self.kind, self.name)
 
     def make(self) -> Any:

@@ -14,9 +14,9 @@ from contactlab.testing.assertions import NotApplicable
 TIME, LONG, STRESS = 1e3, 1e-3, 1e3
 """Numbers in ms, m and kPa over those in s, mm and MPa."""
 FORCE = STRESS * LONG
-"""Per mm of thickness, as all forces are."""
+"""Factor of forces per thickness."""
 CLOSE = 1e-6
-"""Relative: constants below a millionth of the smallest number do not count."""
+"""Relative tolerance: constants below a millionth of the smallest number do not count."""
 
 
 def scale_of_unit(unit: str, time: float = TIME) -> float | None:

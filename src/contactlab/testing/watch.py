@@ -33,7 +33,7 @@ def looks_only(watch: Watch) -> None:
 
 
 def finds_arrays(watch: Watch) -> None:
-    """Its memory is arrays by name, the same in a second run."""
+    """Results are arrays by name, the same in a second run."""
     first, second = (simulate(small_scene(), watch={"watch": watch}).watched["watch"] for _ in range(2))
     require(len(first) > 0, "it found nothing in the run")
     for name, values in first.items():
@@ -41,7 +41,7 @@ def finds_arrays(watch: Watch) -> None:
 
 
 def remembers(watch: Watch) -> None:
-    """Its memory is its only state: restored in a new run half-way, it ends with the same numbers."""
+    """Memory is the only state: restored in a new run half-way, the watch ends with the same numbers."""
     whole, parts = _stepped(watch, None), _stepped(watch, STEPS // 2)
     for name, values in whole.items():
         require(np.array_equal(values, parts[name], equal_nan=True), f"{name} differs after a restart")

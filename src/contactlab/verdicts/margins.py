@@ -40,7 +40,7 @@ class Margin:
 
 
 def bisection(start: float, limit: float) -> Generator[float, bool, tuple[float, float]]:
-    """Yields values and is sent whether they hold; the last that holds and the first that does not, nan for none."""
+    """Yield values and get whether they hold; return the last that holds and the first that does not, nan for none."""
     if not (yield start):
         return math.nan, start
     if (yield limit):

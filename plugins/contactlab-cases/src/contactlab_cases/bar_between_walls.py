@@ -59,7 +59,7 @@ class BarBetweenWalls(Case):
         )
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Against flights at constant speed."""
+        """Compare with flights at constant speed."""
         energy, found = table(done["hit"], "bars"), table(done["hit"])
         first = found["time"] < 0.5 * FREE + 2.0 * LENGTH / SOUND + 0.4 * FREE
         force = np.abs(energy["force"][: len(first)][first]) / HEIGHT

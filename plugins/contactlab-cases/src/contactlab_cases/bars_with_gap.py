@@ -69,7 +69,7 @@ class BarsWithGap(Case):
         )
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """From the reactions of both ends."""
+        """Evaluate the reactions of both ends."""
         record = only(done)
         load = self.load * YOUNG * STRAIN
         first, second = (-np.asarray(record.history[f"{on}.fx"]) / HEIGHT for on in ("first.left", "other.right"))

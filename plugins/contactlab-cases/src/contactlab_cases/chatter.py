@@ -55,7 +55,7 @@ class Chatter(Case):
         return self.shake * GRAVITY * (PERIOD / (2.0 * math.pi)) ** 2
 
     def flight(self) -> tuple[float, float, float]:
-        """When the block leaves, since the table rose through its middle, for how long it flies [s]; how high [mm]."""
+        """Time of leaving after the table rises through its middle, time of flight [s]; height of the flight [mm]."""
         w, a = 2.0 * math.pi / PERIOD, self._amplitude
         phase = math.asin(1.0 / self.shake)  # A w^2 sin = g: there the table brakes as gravity does
         start, speed = a / self.shake, a * w * math.cos(phase)
@@ -90,7 +90,7 @@ class Chatter(Case):
         return (Job("shaken", scene, watch=(watch,), work=WORK * setup.level),)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """Times to some steps: forces end and begin with a step, and the block is as stiff as a spring."""
+        """Bound times by some steps: forces end and begin with a step, and the block is as stiff as a spring."""
         step = STEP / setup.level / PERIOD
         why = "four steps of the period"
         return (

@@ -107,7 +107,7 @@ def _or_told(measure: Measure) -> Measure:
 
 
 def hertz_values(record: Record, radius: float, modulus: float, support: str = "block.bottom") -> dict[str, float]:
-    """Against p = p0 (1 - x^2/a^2)^(1/2) of the measured force."""
+    """Compare with p = p0 (1 - x^2/a^2)^(1/2) of the measured force."""
     curve = record.curve()
     a, _, exact = hertz(force_of(record, support), radius, modulus)
     size = cell_size(curve, 1.2 * a)

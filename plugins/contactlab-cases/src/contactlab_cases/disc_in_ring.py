@@ -67,7 +67,7 @@ class DiscInRing(Case):
         ]
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Over the upper half."""
+        """Compare with the closed form over the upper half."""
         young, nu = STEEL
         mean, wave = TwoRings(0.0, RADIUS, OUTER, (young * self.stiff, nu), STEEL).pressure(1.0, self.wave)
         at = np.linspace(0.0, np.pi, 4001)

@@ -20,7 +20,7 @@ FORCES = {
     (0.05, SHALLOW): (60.349, 0.011, 4), (0.05, DEEP): (3973.44, 0.0015, 4),
     (0.2, SHALLOW): (60.420, 0.0018, 8), (0.2, DEEP): (4088.17, 0.00011, 8),
 }  # fmt: skip
-"""By friction and depth: reaction [N/mm], its uncertainty, level of its static runs (build/docs/references.md)."""
+"""Answers (friction, depth): reaction [N/mm], its uncertainty, level of its static runs (build/docs/references.md)."""
 
 
 @dataclass(frozen=True)

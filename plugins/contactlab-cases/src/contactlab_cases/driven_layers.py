@@ -49,7 +49,7 @@ def layers_job(name: str, setup: Setup, cells: int, modulus: float, mu: float) -
 
 
 def _swell(modulus: float, mu: float) -> tuple[Floats, Floats, float]:
-    """Times (n,) [s], how strong the shear is that runs along, and its frequency [1/s]."""
+    """Times (n,) [s], envelope of the travelling shear, and its frequency [1/s]."""
     w = -sliding_wave(modulus, mu).imag * WAVE_NUMBER
     times = np.linspace(0.0, DRIVEN * 2.0 * math.pi / w, 121)
     return times, np.sin(np.pi * times / times[-1]) ** 2, w

@@ -64,7 +64,7 @@ class DroppedBlock(Case):
         )
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Over the energy of the fall, and the weight."""
+        """Normalise by the energy of the fall, and the weight."""
         found = done["dropped"].watched["contact-changes"]
         changes, last = found["changes"], len(found["changes"]) // 5
         return {
@@ -114,7 +114,7 @@ class PressedBlock(Case):
         )
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """At the lowest point of each cycle."""
+        """Evaluate forces at the lowest point of each cycle."""
         found, step = done["pressed"].watched["contact-changes"], 1e-4 / setup.level
         forces = [float(found["push"][int(p[0] / step) - 1]) for p in _zigzag(self.cycles)[1::2]]
         nodes = 5 * setup.level + 1

@@ -75,7 +75,7 @@ class FewCells(Case):
         return Answer(float(reference.solution(job.scene).pressure[0]), origin=reference.origin)
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Against M = E (1 - nu)/((1 + nu)(1 - 2 nu))."""
+        """Compare with M = E (1 - nu)/((1 + nu)(1 - 2 nu))."""
         record, modulus, pressure = only(done), YOUNG * 0.7 / (1.3 * 0.4), self._answer(setup).value
         top = np.isclose(record.nodes[:, 1], 1.0)
         way = HEAVY / modulus * (1.0 + 1.0 / self.stiff)

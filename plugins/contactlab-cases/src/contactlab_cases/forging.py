@@ -78,7 +78,7 @@ class Forging(Case):
         )
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """From reactions, frames, and the deformed bodies."""
+        """Evaluate reactions, frames, and the deformed bodies."""
         record = only(done)
         floor, punch = (abs(float(record.reaction(name)[1])) for name in ("floor", "punch.top"))
         x, balance = record.nodes + record.displacement, record.summary["balance"]

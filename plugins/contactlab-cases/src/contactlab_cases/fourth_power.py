@@ -48,7 +48,7 @@ class FourthPower(Case):
         )
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Against the closed form of the measured force, from the apex."""
+        """Compare with the closed form of the measured force, from the apex."""
         record, cube = only(done), 4.0 * HALF**3 / SLOPE
         curve = record.curve()
         curve.x[:] = curve.x - self.offset * HALF / self.cells / setup.level

@@ -89,7 +89,7 @@ class InclinedLayers(Case):
         ]
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Against Mohr's circle."""
+        """Compare with Mohr's circle."""
         record = only(done)
         stress = min(self._limit(), MOST)
         s, c = math.sin(math.radians(self.angle)), math.cos(math.radians(self.angle))

@@ -69,7 +69,7 @@ def errors(peak: float, l2: float, why: str) -> list[Measure]:
 
 
 def values(record: Record, total: Function, rate: Function, begin: float, most: float) -> dict[str, float]:
-    """Against the closed form of the measured force."""
+    """Compare with the closed form of the measured force."""
     curve = record.curve()
     b = half_width_of(force_of(record), total, most)
     at, size = np.linspace(-b, b, 2001), cell_size(curve, 1.3 * b)

@@ -71,7 +71,7 @@ class LeafSpring(Case):
         ]
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Against beams."""
+        """Compare with beams."""
         record, part = only(done), self.length
         exact = FORCE * (3.0 - part) / (2.0 * part * (1.0 + 1.0 / self.stiff))
         force = float(record.reaction("lower.left")[1])

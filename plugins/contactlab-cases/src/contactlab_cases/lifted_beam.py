@@ -69,7 +69,7 @@ class LiftedBeam(Case):
         ]
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Against the beam."""
+        """Compare with the beam."""
         record = only(done)
         span = SPAN * self.lift**0.25
         curve = record.curve()

@@ -44,12 +44,12 @@ class LongRun(Case):
     swaps: ClassVar[bool] = False
 
     def applies(self, setup: Setup) -> str:
-        """So many steps show the same with either period."""
+        """Refuse many steps with the other period, which would show the same."""
         dear = self.steps > LongRun.steps and self.turn != LongRun.turn
         return "so many steps are taken with one period of the spring" if dear else super().applies(setup)
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """Thrown from rest of the spring; the weight presses all the time."""
+        """Plan one run: thrown from rest of the spring; the weight presses all the time."""
         w = 2.0 * math.pi / (self.turn * STEP)
         mesh = {"use": "rectangle", "x": [0.0, WIDTH], "y": [0.0, HEIGHT], "cells": [1, 1]}
         block = {"material": "m", "element": setup.element, "mesh": mesh, "velocity": [w * SWING, 0.0]}

@@ -139,7 +139,7 @@ def centred(curve: ContactCurve) -> Floats:
 
 
 def _stick_width(curve: ContactCurve, a: float, c: float) -> dict[str, float]:
-    """Against Mindlin's c, half of the way between the middles of the segments on which sticking ends."""
+    """Compare with Mindlin's c, half of the way between the middles of the segments on which sticking ends."""
     x, state = ordered(centred(curve), curve.state)
     size = float(np.diff(x[np.abs(x) < 1.2 * a]).mean())
     stuck = np.flatnonzero(state == 1)

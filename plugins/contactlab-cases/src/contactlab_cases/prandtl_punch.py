@@ -88,7 +88,7 @@ class PrandtlPunch(Case):
         )
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """From the reaction of the punch; the contact reaches half a segment beyond the last node that is pressed."""
+        """Evaluate the reaction; the contact reaches half a segment beyond the last node that is pressed."""
         record = only(done)
         force = record.history["block.bottom.fy"]
         # the cell next to the edge flows with it, in the mean over half its width

@@ -56,7 +56,7 @@ class PulledStrip(Case):
     def measures(self, setup: Setup) -> Sequence[Measure]:
         """The strip is a bar but near the end of slip and its loaded face."""
         cell, bending = 1.0 / CELLS / setup.level / self.part, "bending near both ends of slip"
-        along = "nodes tell it to a cell, shear spreads it over a height"
+        along = "nodes show it to a cell, shear spreads it over a height"
         return [
             error("length that slips", 2.0 * cell + 0.02, along, codes=("creep",)),
             error("way of the end", 0.03 + cell, "the height over the length that slips", codes=("creep",)),
@@ -64,7 +64,7 @@ class PulledStrip(Case):
         ]
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Against the bar."""
+        """Compare with the bar."""
         record, length = only(done), self.part * LENGTH
         curve = record.curve()
         x, state, shear = ordered(curve.x, curve.state, curve.shear)

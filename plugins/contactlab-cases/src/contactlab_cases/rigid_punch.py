@@ -69,7 +69,7 @@ class RigidPunch(Case):
         )
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Against p = P/(pi (a^2 - x^2)^(1/2)) of the measured force."""
+        """Compare with p = P/(pi (a^2 - x^2)^(1/2)) of the measured force."""
         record = only(done)
         curve, force = record.curve(), force_of(record)
         x, p = ordered(curve.x, curve.pressure)

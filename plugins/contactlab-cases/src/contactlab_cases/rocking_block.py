@@ -114,7 +114,7 @@ class RockingBlock(Case):
         }
 
     def _ratio(self, found: Mapping[str, Floats]) -> float:
-        """From the heights of the centre before the fall and at the turn on the other side."""
+        """Ratio of speeds, from heights of the centre before the fall and at the turn on the other side."""
         first = self.start * LEAN
         turn = float((found["tilt.block"] - first).max())
         return math.sqrt(max(0.0, self._height(turn)) / self._height(first))

@@ -51,7 +51,7 @@ class RollingDisc(Case):
         return abs(self.speed - turning) / (3.0 * self.mu * GRAVITY), (2.0 * self.speed + turning) / 3.0
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """Until three times that in which it would slide without bouncing."""
+        """Plan one run, three times as long as it would slide without bouncing."""
         rolls, _ = self._rolls
         disc = soft_disc(
             20 * setup.level, shift=[0.0, RADIUS], velocity=[self.speed, 0.0], spin=self.spin, element=setup.element

@@ -60,7 +60,7 @@ class RoughPlate(Case):
         return (replace(job, work=8 * WORK) if self.ill_posed(setup) else job,)
 
     def ill_posed(self, setup: Setup) -> str:
-        """Beyond a coefficient the solution is not unique, and none is accepted."""
+        """Return a reason above a coefficient of friction beyond which the solution is not unique."""
         return "with so much friction there are several solutions" if self.mu >= ROUND_IN_CIRCLES else ""
 
     def measures(self, setup: Setup) -> Sequence[Measure]:

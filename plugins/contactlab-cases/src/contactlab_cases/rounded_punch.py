@@ -57,6 +57,6 @@ class RoundedPunch(Case):
         return errors(0.05 * size, 0.06 * size, "a peak and a root at the edge within 3 to 6 of 16 cells")
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Against the closed form of the measured force."""
+        """Compare with the closed form of the measured force."""
         a, radius = self.flat * HALF, self.radius
         return values(only(done), self.total, lambda c: np.arccos(np.minimum(1.0, a / c)) / radius, a, 4.0 * HALF)

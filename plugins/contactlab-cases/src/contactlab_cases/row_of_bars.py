@@ -52,7 +52,7 @@ class RowOfBars(Case):
         )
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """At the end."""
+        """Evaluate speeds at the end, momentum and energy."""
         energy, found = table(done["hit"], "bars"), table(done["hit"])
         speeds = [float(found[f"velocity.bar{k}.x"][-1]) for k in range(self.bars + 1)]
         start = start_energy([1.0], [1.0])

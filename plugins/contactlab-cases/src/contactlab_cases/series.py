@@ -36,7 +36,7 @@ def _momentum(view: StepView, axis: int) -> float:
 
 
 def _angular(view: StepView) -> float:
-    """About the origin, with positions half a step after the velocities, which leapfrog keeps exactly."""
+    """Angular momentum about the origin, with positions half a step after velocities, which leapfrog keeps."""
     r, v = view.position, view.field("velocity")
     return float(view.mass @ (r[:, 0] * v[:, 1] - r[:, 1] * v[:, 0]))
 

@@ -79,7 +79,7 @@ class ShrinkFit(Case):
         ]
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Against p = delta / (b (inner + outer compliance))."""
+        """Compare with p = delta / (b (inner + outer compliance))."""
         curve = only(done).curve()
         mean = float(np.mean(curve.pressure))
         return {

@@ -63,7 +63,7 @@ class SlidingCylinder(Case):
         )
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """At the measured force."""
+        """Compare with the closed form of the measured force."""
         record = only(done)
         curve = record.curve()
         fx, fy = record.reaction("block.bottom")

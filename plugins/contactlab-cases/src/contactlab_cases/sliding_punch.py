@@ -77,7 +77,7 @@ class SlidingPunch(Case):
         )  # fmt: skip
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """Over the middle eight tenths; the edges are singular."""
+        """Return measures over the middle eight tenths; the edges are singular."""
         why = "cells are graded to the edges: mortars are off by 0.1 to 0.3 %"
         return [
             error("L2 of the pressure over 0.8 of the contact", 0.005, why),
@@ -88,7 +88,7 @@ class SlidingPunch(Case):
         ]
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Against the pressure of the measured force."""
+        """Compare with the pressure of the measured force."""
         record = only(done)
         curve, force, g = record.curve(), force_of(record), exponent(self.mu, self.poisson)
         x, p, q = ordered(curve.x, curve.pressure, curve.shear)

@@ -49,7 +49,7 @@ class SpinningPair(Case):
         return Job(name, "spinning-pair", {**base, **changes}, (found, *watch), work=WORK)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """Per turn, so that ten of them ask the same."""
+        """Bound changes per turn, so that ten turns have the same bounds."""
         found = [
             invariant("linear momentum, change", 1e-12, "forces come in pairs"),
             invariant("angular momentum, change per turn", 1e-6, "forces of a pair lie in one line but for the gap"),

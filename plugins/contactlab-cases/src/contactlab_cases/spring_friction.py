@@ -85,7 +85,7 @@ class SpringFriction(Case):
         )
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Against the rigid block."""
+        """Compare with the rigid block."""
         found, turns, d = table(done["thrown"]), self._turns(), self._d
         time, x = found["time"], found["displacement.block.x"]
         first = int(np.argmax(x[time < 0.4 * PERIOD]))

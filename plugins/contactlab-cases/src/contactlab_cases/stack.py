@@ -35,7 +35,7 @@ class Stack(Case):
     proves: ClassVar[frozenset[str]] = frozenset({"rest", "many contacts"})
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """At rest, and the same in another order; both until the same time, so that they take the same steps."""
+        """Plan the stack at rest, and again in another order; both until the same time, so that steps agree."""
         return self._job("stack", setup), self._job("reordered", setup, turned=True)
 
     def _job(self, name: str, setup: Setup, turned: bool = False) -> Job:

@@ -80,12 +80,12 @@ class StuckRings(Case):
         return STEEL[0] * self.stiff, STEEL[1]
 
     def _cells(self, size: int, level: int) -> tuple[int, int]:
-        """Along the quarter: of the inner and of the outer ring."""
+        """Cells of the inner and of the outer ring along the quarter."""
         n = CELLS * size * level
         return (n, round(n * self.ratio)) if self.ratio >= 1.0 else (round(n / self.ratio), n)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """Errors on the finer mesh, and how fast they fall."""
+        """Bound errors on the finer mesh, and orders of convergence."""
         why = "second order: bilinear rings of 48 cells a quarter"
         return [
             error("L2 of the carried pressure", 0.002, why, order=2.0),
@@ -97,7 +97,7 @@ class StuckRings(Case):
         ]
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Against the closed form, over the quarter."""
+        """Compare with the closed form over the quarter."""
         mean, wave, shear = TwoRings(*RADII, self._inner(), STEEL).bonded(1.0, self.wave)
         if "fine" not in done:
             return {}

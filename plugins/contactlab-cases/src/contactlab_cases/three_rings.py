@@ -52,7 +52,7 @@ class ThreeRings(Case):
         ]
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Against both pressures of the compound cylinder."""
+        """Compare with both pressures of the compound cylinder."""
         record, overlaps = only(done), [self.interference * ro for _, ro in RADII[:2]]
         exact = shrunk_rings(RADII, self._moduli(), overlaps)
         found = [float(np.mean(record.curve(f"contacts.{k}").pressure)) for k in (0, 1)]

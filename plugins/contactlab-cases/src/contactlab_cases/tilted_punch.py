@@ -49,11 +49,11 @@ class TiltedPunch(Case):
         return (pressed(setup, line, force, a, HALF / CELLS / setup.level, mesh=mesh),)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """Over the middle eight tenths of the contact; the edges are singular."""
+        """Return measures over the middle eight tenths of the contact; the edges are singular."""
         why = "cells are graded to the ends of contact: mortars are off by 0.2 to 0.4 %"
         return [
             error("L2 of the pressure over 0.8 of the contact", 0.005, why),
-            error("where the high edge lifts off in cells", 1.0, "nodes tell it to a cell")
+            error("where the high edge lifts off in cells", 1.0, "nodes show it to a cell")
             if self.load < 1.0
             else reported("where the high edge lifts off in cells"),
             at_most("undershoot over the largest pressure", 0.46, "caused by a single nodal force at its neighbours"),
@@ -61,7 +61,7 @@ class TiltedPunch(Case):
         ]
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Against the pressure of the measured force."""
+        """Compare with the pressure of the measured force."""
         record, a = only(done), HALF
         force, curve = force_of(record), record.curve()
         x, p = ordered(curve.x, curve.pressure)

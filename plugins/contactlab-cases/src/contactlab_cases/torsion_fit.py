@@ -56,12 +56,12 @@ class TorsionFit(Case):
         return pressure, self.load * self.mu * pressure
 
     def _cells(self, setup: Setup) -> tuple[int, int]:
-        """Along the quarter: of the inner and of the outer ring."""
+        """Cells of the inner and of the outer ring along the quarter."""
         n = CELLS * setup.level
         return n, max(1, round(self.ratio * n))
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """Pressed first, turned then."""
+        """Plan one run: pressed first, then turned."""
         a, b, c = RADII
         rings = {"inner": ([a, b], self._cells(setup)[0]), "outer": ([b, c], self._cells(setup)[1])}
         bodies: dict[str, Any] = {
@@ -95,7 +95,7 @@ class TorsionFit(Case):
         ]
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Over both halves."""
+        """Compare with the closed form over both halves."""
         record = only(done)
         pressure, shear = self._exact()
         off: dict[str, list[Floats]] = {"pressure": [], "shear": []}

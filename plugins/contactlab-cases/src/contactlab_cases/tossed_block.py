@@ -89,7 +89,7 @@ class TossedBlock(Case):
         )
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """From the contact force and the block's centre."""
+        """Evaluate the contact force and the block's centre."""
         found, (rise, leaves, lands, height) = table(done["tossed"]), self.flight()
         time, push = found["time"] - RESTS, found["push"]
         middle = 0.5 * (leaves + lands)

@@ -17,7 +17,7 @@ from contactlab_cases.statics import WORK, iterations
 ENDS = {"everywhere": (0.717, 0.717), "closed": (0.715, 0.727)}
 """End of contact in the other code, least and largest [mm]."""
 LIFTS = {"everywhere": (2.276e-3, 0.0042), "closed": (4.899e-4, 0.0053)}
-"""How far the free corner lifts [mm], and its uncertainty: own runs up to FINEST segments (build/docs/references.md).
+"""Lift of the free corner [mm], and its uncertainty: own runs up to FINEST segments (build/docs/references.md).
 
 The other code gives 2.25e-3 and 4.9e-4 on one mesh that is not known.
 """

@@ -53,7 +53,7 @@ class RingsPressed(Case):
         return [self.job(name, setup, CELLS * size * setup.level) for name, size in SIZES.items() if name not in done]
 
     def _cells(self, n: int) -> tuple[int, int]:
-        """Along the quarter: of the inner and of the outer ring, `n` of the coarser one."""
+        """Cells of the inner and of the outer ring along the quarter, `n` of the coarser one."""
         return (n, round(n * self.ratio)) if self.ratio >= 1.0 else (round(n / self.ratio), n)
 
     def job(self, name: str, setup: Setup, cells: int) -> Job:
@@ -98,7 +98,7 @@ class RingsPressed(Case):
         ]
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Against the closed form, over the quarter."""
+        """Compare with the closed form over the quarter."""
         carried, told, means = {}, {}, {}
         for name, record in done.items():
             carried[name], told[name], means[name] = self.errors(record, CELLS * SIZES[name] * setup.level)

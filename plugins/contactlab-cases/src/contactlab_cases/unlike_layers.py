@@ -46,7 +46,7 @@ class UnlikeLayers(Case):
         ]
 
     def ill_posed(self, setup: Setup) -> str:
-        """With any friction: these materials have a generalised Rayleigh wave."""
+        """Return a reason for any friction: these materials have a generalised Rayleigh wave."""
         return "the shorter a wave, the faster it grows" if self.mu > 0.0 else ""
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
@@ -68,7 +68,7 @@ class UnlikeLayers(Case):
         ]
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """From the time on when nothing drives; growth and speed are over k c, less what they are in half planes."""
+        """Evaluate waves once nothing drives them; growth and speed are over k c, less the values of half planes."""
         found = {"growth of the free wave over k c": sliding_wave(self.modulus, self.mu).real}
         cells = {}
         for name, record in done.items():

@@ -60,7 +60,7 @@ class Upsetting(Case):
         )  # fmt: skip
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """Even flow is in the space of every element."""
+        """Bound pressures tightly: uniform flow is in the space of every element."""
         why = "elastic strains of 1e-3, and load steps of some per cent of strain"
         return [
             error("pressure of the die", 0.005, why),
@@ -68,7 +68,7 @@ class Upsetting(Case):
         ]
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Against the law of hardening."""
+        """Compare with the law of hardening."""
         pressure = only(done).curve().pressure
         mean = float(np.mean(pressure))
         strain = math.log(1.0 / self.height) - mean * (1.0 - 0.5 * 0.3) / YOUNG  # less the elastic part

@@ -76,7 +76,7 @@ class BluntWedge(Case):
         ]
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Against p = E* slope/pi acosh(a/|x|) with the a of the measured force P = E* slope a."""
+        """Compare with p = E* slope/pi acosh(a/|x|) with the a of the measured force P = E* slope a."""
         record, h = only(done), self._cell(setup.level)
         a = self._half_width(record)
         curve = record.curve()

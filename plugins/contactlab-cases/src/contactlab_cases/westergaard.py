@@ -82,7 +82,7 @@ class Westergaard(Case):
         ]
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Against the closed form at the mean pressure that was measured."""
+        """Compare with the closed form at the measured mean pressure."""
         record = only(done)
         full = self._full(plane_strain(YOUNG))
         mean = float(record.reaction("layer.bottom")[1]) / (0.5 * LENGTH)

@@ -52,7 +52,7 @@ class Sine(Function):
         _check_positive("period", self.period)
 
     def values(self, at: Floats) -> Floats:
-        """Between -1 and 1."""
+        """Return values between -1 and 1."""
         return np.sin(2.0 * np.pi * (at - self.start) / self.period)
 
 

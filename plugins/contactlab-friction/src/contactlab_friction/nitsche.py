@@ -44,5 +44,5 @@ class Nitsche(NormalLaw):
 
     @formula
     def adjoint(pressure: Any, traction: Any, stiffness: float, p: Any) -> Any:
-        """In contact minus theta times the gap."""
+        """Return minus theta times the gap in contact."""
         return p.theta * (pressure + traction) / (p.gamma * stiffness)

@@ -55,12 +55,12 @@ class Barrier(Potential):
         return float(self._barrier(view)(self._collisions(view, positions), mesh, positions))
 
     def gradient(self, view: PotentialView, positions: Floats) -> Floats:
-        """Its gradient."""
+        """Gradient of the energy."""
         found = self._barrier(view).gradient(self._collisions(view, positions), _mesh(view), positions)
         return np.asarray(found).reshape(-1, 2)
 
     def hessian(self, view: PotentialView, positions: Floats) -> Any:
-        """Its exact Hessian, not projected."""
+        """Exact Hessian of the energy, not projected."""
         return self._barrier(view).hessian(self._collisions(view, positions), _mesh(view), positions)
 
     def largest_step(self, view: PotentialView, positions: Floats, displacement: Floats) -> float:
@@ -76,7 +76,7 @@ class Barrier(Potential):
         return np.asarray(found).reshape(-1, 2)
 
     def friction_hessian(self, view: PotentialView, positions: Floats) -> Any:
-        """Its derivative by the slip."""
+        """Derivative of friction by the slip."""
         potential, rubbing = self._rubbing(view)
         return potential.hessian(rubbing, _mesh(view), positions - view.start)
 

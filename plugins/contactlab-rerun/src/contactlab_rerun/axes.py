@@ -79,7 +79,7 @@ def log_legend(
 
 
 def ticks(low: float, high: float) -> list[tuple[float, str]]:
-    """About five round numbers within the range, with their labels."""
+    """Return about five round numbers within the range, with their labels."""
     step = nice_step((high - low) / 5.0)
     first = np.ceil(low / step - 1e-9) * step
     values = [round(float(t), 12) + 0.0 for t in np.arange(first, high + 1e-9 * step, step)]

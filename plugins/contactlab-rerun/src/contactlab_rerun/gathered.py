@@ -15,7 +15,7 @@ from contactlab.api.recorder import FAILURE, WARNING
 
 VON_MISES, PRESSURE, NO_FIELD = "von_mises", "pressure", "none"
 SHORT = {"plastic_strain": "equivalent_plastic_strain"}
-"""What fields may be called as well."""
+"""Alternative names of fields."""
 
 
 def check_field(name: str, layout: Layout) -> None:

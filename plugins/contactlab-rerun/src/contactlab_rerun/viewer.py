@@ -205,7 +205,7 @@ def _last_words(words: bytes) -> str:
 
 
 def _wait_for(client: Any) -> None:
-    """Until the recording is loaded and its views are there."""
+    """Wait until the recording is loaded and its views exist."""
     until = monotonic() + PATIENCE
     while monotonic() < until:
         state = client.get_state()

@@ -55,7 +55,7 @@ class Midplane(Potential):
         return np.asarray(polygon(view).T @ self._overlaps(view, positions).derivative())
 
     def hessian(self, view: PotentialView, positions: Floats) -> Any:
-        """Its exact derivative, by dual numbers."""
+        """Exact Hessian of the energy, by dual numbers."""
         found = self._overlaps(view, positions)
         block = np.zeros((len(found.pairs), 8, 8))
         stiffen(*found, block)
@@ -79,7 +79,7 @@ class Midplane(Potential):
         return np.asarray(polygon(view).T @ self._rubbing(view, positions))
 
     def friction_hessian(self, view: PotentialView, positions: Floats) -> Any:
-        """Its derivative by the slip."""
+        """Derivative of friction by the slip."""
         nodes, weight, slip, bound, within = self._rubbed(view, positions)
         rise = 2.0 * bound * np.maximum(0.0, 1.0 - np.abs(slip)) / within
         return assembled(view, nodes, np.einsum("r,ri,rj->rij", rise, weight, weight))

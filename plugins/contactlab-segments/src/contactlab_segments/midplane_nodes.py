@@ -1,4 +1,4 @@
-"""From the nodes of two surfaces to the vertices that press on each other, and back."""
+"""Mapping from the nodes of two surfaces to the vertices that press on each other, and back."""
 
 from __future__ import annotations
 

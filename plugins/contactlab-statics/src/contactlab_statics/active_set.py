@@ -38,7 +38,7 @@ class ActiveSet(ImplicitEnforcement):
             raise ValueError(f"scale: got {self.scale}, allowed: a factor > 0")
 
     def respond(self, conditions: Conditions, out: Response) -> None:
-        """Closed conditions ask for no gap, open ones for no force, slipping ones for the force of the bound."""
+        """Closed conditions require zero gap, open ones zero force, slipping ones the force of the bound."""
         stiffness = np.where(conditions.present, self.scale * conditions.stiffness, 0.0)
         gap = np.where(conditions.present, conditions.gap, 0.0)
         force = conditions.force[0]

@@ -18,7 +18,7 @@ WORK = 300.0
 
 
 def is_put_to_an_algorithm(subject: Subject) -> None:
-    """Its runs begin, and what it finds when they end is what it measures."""
+    """Runs of the case begin, and `evaluate` returns its measures."""
     case: Case = subject.make()
     setup = Setup(usual_algorithm(subject.registry), False, case.elements[0], case.integrators[0])
     _, done = run_case(case, setup, subject.registry, work=WORK)

@@ -34,7 +34,7 @@ LONGER = 5  # times as many steps as the scene wishes
 
 
 def modes_of(subject: Subject) -> tuple[Mode, ...]:
-    """In which runs the part can stand."""
+    """Modes of runs that can have the part."""
     cls = subject.part_class
     if subject.kind == "integrator":
         return ("explicit",) if issubclass(cls, ExplicitIntegrator) else ("statics",)
@@ -166,11 +166,11 @@ class Answers:
         return cls(np.array(results.summary["reactions"][TOP]), curve.pressure, curve.shear)
 
     def turned(self, by: Floats) -> Answers:
-        """In a frame that is turned by a matrix (2, 2)."""
+        """Return the answers in a frame turned by a matrix (2, 2)."""
         return Answers(by @ self.reaction, self.pressure, self.shear)
 
     def in_units(self, stress: float) -> Answers:
-        """With stresses in a unit so many times larger, and lengths in one that keeps force per thickness."""
+        """Return the answers with stresses times `stress`, and a length unit that keeps force per thickness."""
         return Answers(self.reaction, self.pressure * stress, self.shear * stress)
 
 
