@@ -55,7 +55,7 @@ class BarBetweenWalls(Case):
             error("way in the end over the free way", 2.0 * cell, "an impact lasts up to a cell longer"),
             error("mean force over rho c v at the first impact", 0.02, "waves of a few cells run a little late"),
             within("energy lost", -1e-9, cell, "half a cell at each impact, twice allowed"),
-            invariant("largest rise of the energy in a step", 1e-9, "round-off; contact conditions only take"),
+            invariant("largest rise of the energy in a step", 1e-9, "round-off; contact never adds energy"),
         )
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:

@@ -82,7 +82,7 @@ class BlockOnIncline(Case):
         return (
             near(f"acceleration over {self.span:g} s", exact, fraction, why, "mm/s2"),
             at_most(f"creep at mu = 0.37 in {self.span:g} s", 1e-6, sticks, "mm"),
-            invariant("path in the scene turned to a level plane", 1e-9, "nothing knows the axes: round-off"),
+            invariant("path in the scene turned to a level plane", 1e-9, "independent of the axes: round-off"),
             near("time until a thrown block stops", STOP, 0.01, "v/(mu g); the block sways by a hundredth of it", "s"),
             at_most("creep after the stop", 1e-6, sticks, "mm"),
         )

@@ -69,7 +69,7 @@ class BouncingBar(Case):
         early, ends = 0.02 / setup.level * CELLS / self.cells, "half a cell of energy is lost at each of six impacts"
         bounds = [
             error("highest point after the last period, later than exact [periods]", early, ends),
-            invariant("largest rise of the energy in a step", 1e-9, "round-off; contact conditions only take"),
+            invariant("largest rise of the energy in a step", 1e-9, "round-off; contact never adds energy"),
         ]
         if setup.integrator != "central-difference":
             drawn = error("impulse of the first contact", 0.01, "the midpoint rule and lumped masses slow waves")

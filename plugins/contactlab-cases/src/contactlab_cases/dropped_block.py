@@ -21,7 +21,7 @@ from contactlab_cases.dynamics import WORK, pushed
 WEIGHT = 1e-9 * 10.0 * 10.0 * 9810.0  # N
 FALL = 0.5  # mm
 GAIN = "largest rise of energy in a step"
-TAKES = "contact conditions only take: round-off"
+TAKES = "contact never adds energy: round-off"
 
 
 def _energy(name: str, forces: str) -> Measure:
@@ -59,7 +59,7 @@ class DroppedBlock(Case):
             near("force at rest", WEIGHT, 1e-3, "vibrations have died", "N"),
             _energy(f"{GAIN} over that of the fall", self.forces),
             at_most("largest pull of a contact node over the weight", 0.0, "nodal forces push"),
-            at_most("changes per 100 steps at rest", 1.0, "nothing opens and closes for ever"),
+            at_most("changes per 100 steps at rest", 1.0, "no endless opening and closing"),
             reported("conditions that opened or closed before rest"),
         )
 

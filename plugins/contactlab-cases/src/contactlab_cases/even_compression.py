@@ -46,7 +46,7 @@ class EvenCompression(ReferenceSolution):
 def _mismatches(scene: Mapping[str, Any]) -> Iterator[str]:
     """Yield reasons why a scene does not match two layers."""
     if len(scene["contacts"]) != 1 or len(scene["bodies"]) != 2 or scene.get("rigid"):
-        yield "the scene has not two bodies with one contact"
+        yield "the scene does not have two bodies and one contact"
     layers = _Layers(scene)
     for role, name in layers.names.items():
         yield from _mismatches_of_a_body(layers, role, name)
@@ -68,7 +68,7 @@ def _mismatches_of_a_body(layers: _Layers, role: str, name: str) -> Iterator[str
     if layers.mesh(role)["use"] != "rectangle" or len(layers.mesh(role)["x"]) != 2 or len(layers.mesh(role)["y"]) != 2:
         yield f"body {name} is not a rectangle"
     if layers.bodies[name].get("rotate", 0.0):
-        yield f"body {name} is turned"
+        yield f"body {name} is rotated"
     if layers.law(role)["use"] != "linear-elastic":
         yield f"the law of body {name} is not linear-elastic"
     if layers.law(role)["poisson"] and not layers.held_sideways(name):

@@ -46,7 +46,7 @@ class LongRun(Case):
     def applies(self, setup: Setup) -> str:
         """Refuse many steps with the other period, which would show the same."""
         dear = self.steps > LongRun.steps and self.turn != LongRun.turn
-        return "so many steps are taken with one period of the spring" if dear else super().applies(setup)
+        return "runs with so many steps use one period of the spring only" if dear else super().applies(setup)
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
         """Plan one run: thrown from rest of the spring; the weight presses all the time."""

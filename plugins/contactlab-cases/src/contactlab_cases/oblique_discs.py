@@ -73,7 +73,7 @@ class ObliqueDiscs(Case):
         return (
             invariant("linear momentum, change", 1e-12, "forces come in pairs"),
             *self._of_forces(),
-            at_most("energy gained", 1e-3, "contact only takes; energies of leapfrog are half a step apart"),
+            at_most("energy gained", 1e-3, "contact never adds energy; energies of leapfrog are half a step apart"),
             error("tangential over normal impulse, less mu", 0.25 * turn, why),
             at_most(
                 "part of the normal speed that is left", 1.0 + 0.1 * turn, f"nothing is gained along the normal; {why}"

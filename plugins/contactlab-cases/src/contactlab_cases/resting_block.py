@@ -52,9 +52,9 @@ class RestingBlock(Case):
     def measures(self, setup: Setup) -> Sequence[Measure]:
         """Measure the block at rest, and the energy that contact has made."""
         return (
-            invariant("largest rise of energy in a step", 1e-9, "damping and contact only take"),
+            invariant("largest rise of energy in a step", 1e-9, "damping and contact never add energy"),
             error("reaction at rest", 0.001, "vibrations have died"),
-            at_most("openings and closings in the last 100 steps", 0.0, "nothing opens and closes for ever"),
+            at_most("openings and closings in the last 100 steps", 0.0, "no endless opening and closing"),
             at_most("largest pull", 0.0, "nodal forces push", "N"),
             reported("openings and closings"),
         )

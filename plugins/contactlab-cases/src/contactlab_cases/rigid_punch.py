@@ -39,7 +39,7 @@ class RigidPunch(Case):
     def applies(self, setup: Setup) -> str:
         """Allow other materials on one mesh only, which is enough to show that they do not matter."""
         other = self.poisson != RigidPunch.poisson and self.cells != RigidPunch.cells
-        return "other materials are put to one mesh" if other else super().applies(setup)
+        return "other materials are run on one mesh only" if other else super().applies(setup)
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
         """Plan one job: the rigid punch pressed into the block."""

@@ -49,7 +49,7 @@ class RockingBlock(Case):
     def applies(self, setup: Setup) -> str:
         """The finest mesh is looked at from one height."""
         if self.cells >= FINE and self.start != RockingBlock.start:
-            return "the change with the mesh is looked at from one height"
+            return "the change with the mesh is studied for one height only"
         return super().applies(setup)
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
@@ -91,7 +91,7 @@ class RockingBlock(Case):
             told,
             at_most("speed left by an impact", 1.0, "nothing drives it"),
             *finer,
-            at_most(RISE, 1e-9, "contact, friction and the damping take: round-off"),
+            at_most(RISE, 1e-9, "contact, friction and damping never add energy: round-off"),
             reported("largest gift of contact in a step over it"),
             reported("speed left by an impact less Housner's 0.911765"),
         )

@@ -17,7 +17,7 @@ PUBLISHED = {0.0: 2.86e-5, 1.25e-3: 2.72e-5, 5e-3: 2.28e-5, 7.5e-3: 1.98e-5, 11.
 """Tangential displacements [m] at places along the plane, mu = 1."""
 
 ROUND_IN_CIRCLES = 50.0
-"""Coefficient from which on the iteration has been seen to go round in circles: the problem has several answers."""
+"""Coefficient from which on the iteration cycles: the problem has several solutions."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class RoughPlate(Case):
 
     def ill_posed(self, setup: Setup) -> str:
         """Return a reason above a coefficient of friction beyond which the solution is not unique."""
-        return "with so much friction there are several solutions" if self.mu >= ROUND_IN_CIRCLES else ""
+        return "with so much friction the solution is not unique" if self.mu >= ROUND_IN_CIRCLES else ""
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
         """Displacements against published ones, which are for mu = 1."""

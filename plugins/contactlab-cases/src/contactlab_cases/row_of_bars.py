@@ -48,7 +48,7 @@ class RowOfBars(Case):
             at_most("largest speed of the others", 0.01 + cell, why),
             invariant("linear momentum, change", 1e-12, "forces come in pairs"),
             within("energy lost", -1e-9, cell, "a quarter of a cell of the energy at each joint, twice allowed"),
-            invariant("largest rise of the energy in a step", 1e-9, "round-off; contact conditions only take"),
+            invariant("largest rise of the energy in a step", 1e-9, "round-off; contact never adds energy"),
         )
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:

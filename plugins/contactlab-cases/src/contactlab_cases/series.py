@@ -127,7 +127,7 @@ def table(record: Record, name: str = "series") -> Mapping[str, Floats]:
     """Return the rows of a series. Raises LookupError if it did not have room for all."""
     found = record.watched[name]
     if found["left out"][0]:
-        raise LookupError(f"{found['left out'][0]:.0f} rows of the series {name} are left out: give it more room")
+        raise LookupError(f"{found['left out'][0]:.0f} rows of the series {name} do not fit: increase `most`")
     return found
 
 

@@ -60,7 +60,7 @@ class SpinningPair(Case):
         return [
             *found,
             at_most("largest slip of a stuck pair in a turn in segments", 1e-8, "the solver's residual", "h"),
-            at_most("direction of the force against that of the pair, change", 1e-5, "nothing knows the axes", "rad"),
+            at_most("direction of the force against that of the pair, change", 1e-5, "independent of the axes", "rad"),
         ]
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:

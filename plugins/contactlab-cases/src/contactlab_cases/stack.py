@@ -70,7 +70,7 @@ class Stack(Case):
         """Forces against the weights above, and how much any motion grows."""
         return (
             at_most("force under each block, largest error", 1e-3, "the weight comes in 40 periods of the stack"),
-            at_most("sideways drift in segments", 1e-6, "nothing pushes sideways: round-off", "h"),
+            at_most("sideways drift in segments", 1e-6, "no force acts sideways: round-off", "h"),
             at_most("kinetic energy of the second half over that of the first", 1.05, "damped vibrations die"),
             at_most("another order, largest change of a force", 3e-7, "the sweeps end at 1e-10 of a segment"),
             reported("sweeps per step"),

@@ -13,7 +13,7 @@ from contactlab.api import ContactCurve, Floats, Job, Record, Setup
 WORK = 250
 """Steps and iterations after which a static case is given up: three times what any of them needs if it converges."""
 HELD_BY_FRICTION = {"use": "active-set", "start": "stick"}
-"""Enforcement of a contact whose bodies nothing but friction holds along it."""
+"""Enforcement of a contact whose bodies are held along it by friction alone."""
 
 
 def static_job(

@@ -58,7 +58,7 @@ class TwoBars(Case):
             near("duration of the contact", 2.0 / 3.0, 0.01 + cell, "2 L/c, and a cell", "s"),
             invariant("linear momentum, change", 1e-12, "forces come in pairs"),
             within("energy lost", -1e-9, 0.5 * cell, "half a cell of the energy, twice allowed"),
-            invariant("largest rise of the energy in a step", 1e-9, "round-off; contact conditions only take"),
+            invariant("largest rise of the energy in a step", 1e-9, "round-off; contact never adds energy"),
         )
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:

@@ -46,7 +46,7 @@ class UnlikeBars(Case):
             near("speed of the struck bar", 2.0 / (1.0 + k), 0.01 + cell, wave),
             invariant("linear momentum, change", 1e-12, "forces come in pairs"),
             within("energy lost", -1e-9, cell, "half a cell of both, twice allowed"),
-            invariant("largest rise of the energy in a step", 1e-9, "round-off; contact conditions only take"),
+            invariant("largest rise of the energy in a step", 1e-9, "round-off; contact never adds energy"),
         )
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:

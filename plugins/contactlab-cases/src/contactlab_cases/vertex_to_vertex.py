@@ -54,7 +54,7 @@ class VertexToVertex(Case):
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
         """Mirror symmetry and momentum, which must hold to round-off, and the overlap."""
-        why = "nothing in the scene prefers a side: round-off, grown by the instability of corners"
+        why = "the scene is symmetric: round-off, grown by the instability of corners"
         return (
             at_most("mirror symmetry, largest error in segments", 1e-8, why, "h"),
             at_most("overlap in segments squared", 0.01, "a hundredth of a cell", "h2"),

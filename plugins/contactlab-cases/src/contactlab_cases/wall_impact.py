@@ -60,7 +60,7 @@ class WallImpact(Case):
                 "loss against that of the stopped nodes", 0.02, "half a cell; steps end where it arrives", codes=early
             ),
             at_most("contacts after the first", 0.0, "it leaves once"),
-            invariant("largest rise of energy in a step", 1e-9, "round-off; contact conditions only take"),
+            invariant("largest rise of energy in a step", 1e-9, "round-off; contact never adds energy"),
             reported("ripple of the force"),
         )
 

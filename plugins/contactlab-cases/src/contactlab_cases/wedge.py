@@ -64,14 +64,14 @@ class BluntWedge(Case):
             at_most(
                 "L2 of the pressure over that of the best approximation",
                 1.5,
-                "the best piecewise linear function on ten cells is off by 9 to 14 %: the logarithm has no end",
+                "the best piecewise linear function on ten cells is off by 9 to 14 %: the logarithm is unbounded",
             ),
             reported("L2 of the pressure"),
             error("half-width", 0.1, "nodes show the end of contact to one cell of ten"),
             at_most(
                 "rise of the pressure away from the apex",
                 0.03,
-                "it falls on either side of the apex; the best approximation rises by 0.014",
+                "it falls on both sides of the apex; the best approximation rises by 0.014",
             ),
         ]
 
