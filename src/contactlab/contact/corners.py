@@ -3,7 +3,7 @@
 A mean gap over a segment that a corner touches lets the corner penetrate, and changes as the segment slides past:
 forces along its derivatives hinder sliding. If the node beyond a corner has a multiplier but nothing below it,
 its constraint is therefore taken at the corner, between both nodes of the segment. Other corners are points of their
-own that stay outside the slave (`contactlab.contact.corner_pair`), at a slack below mean gaps, which hold flat flanks.
+own that stay outside the slave (`contactlab.contact.corner_pair`), slightly deeper than mean gaps of flat flanks.
 """
 
 from __future__ import annotations

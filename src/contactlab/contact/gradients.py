@@ -134,7 +134,7 @@ class PairEnds:
 
 
 def with_ends(pairs: Sequence[ContactPair]) -> list[OperatorPair]:
-    """Return all pairs if overlap ends give their rows (straight edges, no friction), else an empty list."""
+    """Return the pairs whose rows follow from overlap ends: straight edges, no friction, no ramped overlaps."""
     return [
         pair
         for pair in pairs
@@ -204,7 +204,7 @@ def push_facets(
 ) -> None:
     """Push weak initial overlaps out as their share grows: rows hold u + d, two steps.
 
-    `first` may be the first row of the pair; `offset` (k,) [mm] is added to the gaps of the rows at the end.
+    Rows from `first` on may belong to the pair; `offset` (k,) [mm] is added to the gaps of the rows at the end.
     """
     time, dt, facets = state.time, state.last_dt, pair.start_gaps
     if not isinstance(facets, FacetOverlap) or (pushed := facets.pushed(max(0.0, time - dt), time + dt)) is None:

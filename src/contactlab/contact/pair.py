@@ -38,7 +38,7 @@ HELD = 2.0  # longest segments of the slave: deeper overlaps are the far side of
 
 @dataclass(frozen=True)
 class ContactSnapshot:
-    """One pair at an accepted step, k multipliers on m slave nodes; it owns the arrays.
+    """A pair at an accepted step, k multipliers on m slave nodes; it owns the arrays.
 
     at           deformed positions of both surfaces [mm]
     gaps         (k,) [mm] `FAR` without a constraint
@@ -169,7 +169,7 @@ class ContactPair(ABC):
         return none, none, none
 
     def slips_at_nodes(self, slips: Floats, gaps: Floats) -> Floats:
-        """Return slips (m,) [mm] of nodes: mean over multipliers with finite gaps (k,), 0 without any."""
+        """Return slips (m,) [mm] of nodes: mean over multipliers with gaps (k,) below `FAR`, 0 without any."""
         near = (gaps < FAR).reshape(self.rows_per_node, -1)
         total = np.where(near, slips.reshape(near.shape), 0.0).sum(axis=0)
         return np.asarray(total / np.maximum(near.sum(axis=0), 1))

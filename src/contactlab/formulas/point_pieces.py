@@ -61,7 +61,7 @@ def in_wedge(x, v, before, after, length):
 
 @section
 def foot_on_parabola(x, a, b, middle, s, p):
-    """Return the point near s on a quadratic edge that the formula projects onto itself on the tangent."""
+    """Return s of the formula's projection on a quadratic edge, by Newton iterations on its tangents from s."""
     for _ in range(8):
         found = FOOT(x, tangent_at(a, b, middle, seed(s, 0, 4)), p)
         slope = derivatives(found, 4)[0]

@@ -162,7 +162,7 @@ class SaddleSystem:
         return entries.row[keep], column[keep], entries.data[keep]
 
     def _fill_rigid_rows(self, plan: Elimination, derivatives: ContactDerivatives, response: Response) -> None:
-        """Make forces without any effect solvable: constraints decided by supports alone, as slip of a held node.
+        """Fill rows of forces without effect, if supports alone decide a constraint, as slip of a held node.
 
         Such a force answers the residual of its own constraint, until a bound gives it: the system stays regular.
         """

@@ -148,7 +148,7 @@ def flexibilities(bound, nodal, out):
 
 @kernel
 def extrapolate(now, before):
-    """Extrapolate forces (k,) of both last steps linearly, never below zero; `before` becomes `now`."""
+    """Extrapolate linearly forces (k,) that pressed in both last steps, never below zero; `before` becomes `now`."""
     for k in range(now.size):
         last = now[k]
         if last > 0.0 and before[k] > 0.0:

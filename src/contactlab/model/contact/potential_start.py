@@ -149,7 +149,7 @@ def _open(plan: ContactPlan, bodies: tuple[Body, ...], positions: Floats) -> flo
 
 
 def begin_open(plan: ContactPlan, pair: Any, positions: Floats) -> None:
-    """Raise SceneError for forbidden intersections, and set the largest opening."""
+    """Raise SceneError if surfaces intersect that must not, and store the opening in the pair."""
     from contactlab.contact.potential_pair import Opened
 
     if pair.potential.clearance(pair.view) > 0.0:
