@@ -130,12 +130,12 @@ class OperatorPair(ContactPair):
             kept, slave, master = kernels.join(self.address, self.count, straight)
             if kept < 0:
                 raise SceneError(
-                    "the slave is a closed curve that is covered all around: its conditions are coupled without an end",
+                    "the slave is a closed curve that overlaps all around: its constraints form a closed chain",
                     where=f"{self.name}.slave",
                     got=f"a closed chain of {len(self.slave.segments)} segments",
-                    allowed="an open slave, or an algorithm whose conditions are not coupled (node-on-segment)",
+                    allowed="an open slave, or an algorithm whose constraints are not coupled (node-on-segment)",
                     hint='write algorithm = "node-on-segment", or cut the edge set in two under [bodies.NAME.sets] and '
-                    "declare a contact for each half; to swap the sides helps only where the other one is open",
+                    "declare a contact for each half; swapping the sides helps only if the other side is open",
                 )
             if not slave and not master:
                 break

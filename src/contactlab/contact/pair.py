@@ -321,7 +321,7 @@ def initial_gaps(pair: ContactPair, positions: Floats) -> Floats:
 
 
 def start_distances(pair: ContactPair, positions: Floats) -> Floats:
-    """Return `initial_gaps`; a multiplier without a constraint gets the distance of another one at its node.
+    """Return `initial_gaps`; a multiplier without a constraint gets the distance of another multiplier at its node.
 
     One of the two multipliers of a node at the end of a chain holds it, as one side ends before the other.
     """
