@@ -49,11 +49,11 @@ class Record:
         return self.status == "finished"
 
     def curve(self, contact: str = "contacts.0") -> ContactCurve:
-        """Return the contact at the last stored frame. Raises LookupError if there is none."""
+        """Return the contact at the last stored frame. Raises LookupError without one."""
         return self.curves[contact][-1]
 
     def reaction(self, support: str) -> Floats:
-        """Return the force (2,) [N] of a support on its body at the end. Raises LookupError if there is none."""
+        """Return the force (2,) [N] of a support on its body at the end. Raises LookupError without one."""
         return np.asarray(self.summary["reactions"][support], float)
 
     @property

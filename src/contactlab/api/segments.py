@@ -75,7 +75,7 @@ class SlaveSegment(NamedTuple):
         return -2.0 * constant / (linear + copysign(sqrt(root), linear))
 
     def between(self, first: Number, second: Number) -> tuple[Number, Number]:
-        """Return the part of the segment between two xi in any order: low and high; low > high if there is none."""
+        """Return the part of the segment between two xi in any order: low and high; low > high without one."""
         low: Number = 1.0
         high: Number = 0.0
         if first == first and second == second:

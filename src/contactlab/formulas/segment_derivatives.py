@@ -47,7 +47,7 @@ COVERED_LOW, COVERED_HIGH = 4, 5  # further directions of the integrals
 
 @section
 def nodes_of(view, s, m, out):
-    """Fill nodes of a piece of segments s and m, first the slave's, then the master's; -1 if there is none."""
+    """Fill nodes of a piece of segments s and m, first the slave's, then the master's; -1 without one."""
     segments, node_segments, shift = view.slave.segments, view.slave.node_segments, view.at.slave.shape[0]
     i, j = segments[s, 0], segments[s, 1]
     before, after = node_segments[i, 0], node_segments[j, 1]

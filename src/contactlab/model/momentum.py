@@ -50,7 +50,7 @@ def momenta(model: Model) -> Floats:
 def mirrored_nodes(reference: Floats, parts: Sequence[slice]) -> Ints:
     """Return the node at the mirror image in x = 0 of each node (N,), within the same of the `parts`.
 
-    -1 if there is none within 1e-6 of the size.
+    -1 without one within 1e-6 of the size.
     """
     size = float(np.ptp(reference, axis=0).max())
     grid = np.round(reference / (1e-6 * size)).astype(np.int64)

@@ -29,7 +29,7 @@ class ExplicitMotion:
 
     mobility   (N, 2) [1/t] inverse masses, 0 if motion is prescribed
     start      time [s] at the start of the step
-    duration   of the pending kick [s]; 0 if there is none; `touched` of the last kick with contact
+    duration   of the pending kick [s]; 0 without one; `touched` of the last kick with contact
     moved      time [s] that positions have moved in this step; `kicked` the sum of its kicks
     ahead      time [s] after which the contact forces of this kick hold the gaps; 0 without
     """

@@ -116,7 +116,7 @@ def with_mean(profile: Profile, found: Floats, lengths: Floats, where: Where) ->
 
 
 def read_pairs(file: str, where: Where) -> Floats:
-    """Return the table (n, 2) in a CSV file: places or times, and factors [-]. SceneError if there is none."""
+    """Return the table (n, 2) in a CSV file: places or times, and factors [-]. SceneError without a table."""
     text = text_outside(Path(file), where, ROWS, kind=SceneError)
     try:
         with warnings.catch_warnings():
