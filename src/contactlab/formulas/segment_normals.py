@@ -121,7 +121,7 @@ def turn_at(i, view):
 
 @point
 def beside_end(i, slave):
-    """Return the node next to end i of the slave, -1 if it is an end as well or i is -1."""
+    """Return the node next to end i of the slave, -1 if this node is an end as well, or i is no end."""
     if not is_end(i, slave):
         return -1
     before, after = neighbours(i, slave)
