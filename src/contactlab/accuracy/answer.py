@@ -81,7 +81,7 @@ def answer(trials: Trials) -> Chosen:
     error, interval = math.nan, None
     if truth is not None:
         error = trials.errors(configuration).get(level, math.nan)
-        if trials.pressed() and math.isfinite(error):
+        if trials.bounded() and math.isfinite(error):
             doubt = truth.uncertainty + trials.doubt
             interval = max(0.0, error - doubt), error + doubt
             error = error or truth.uncertainty  # the reference itself
@@ -119,8 +119,12 @@ def _off_by_force(trials: Trials, place: Place) -> float:
     return ForcesJudged.apart(trials.all[place].forces, trials.all[finest].forces)
 
 
+def _error_of(trials: Trials) -> str:
+    return "pressure error" if trials.pressed() else "error of the forces (nothing is pressed at the end)"
+
+
 def _why_ok(trials: Trials, met: Sequence[Place]) -> str:
-    text = f"the cheapest of {len(met)} trials that keep the pressure error below {100.0 * trials.wish.error:g} %"
+    text = f"the cheapest of {len(met)} trials that keep the {_error_of(trials)} below {100.0 * trials.wish.error:g} %"
     costs = sorted(trials.cost(place) for place in met)
     return text + (f"; the next one takes {costs[1]:.2g} CPU s" if len(costs) > 1 else "")
 
@@ -133,12 +137,12 @@ def _why_not(trials: Trials, place: Place, met: Sequence[Place], truth: Truth | 
         text += f"; this one came furthest ({trial.status}: {trial.reason[:200]})" if trial is not None else ""
     elif truth is None:
         text = "no configuration finished on two meshes, so nothing bounds an error; judged by robustness and cost"
-    elif not trials.pressed():
-        text = "pressures cannot be judged (none at the end, or no function of a position), so nothing bounds their "
+    elif not trials.bounded():
+        text = "pressures cannot be judged (they are no function of a position), so nothing bounds their "
         text += "error; judged by forces at the end or in the mean, by robustness and by cost: "
         text += f"the forces are {'' if met else 'not '}within {asked} of those of the finest meshes"
     else:
-        text = f"no trial keeps the pressure error below {asked} with all that is uncertain: "
+        text = f"no trial keeps the {_error_of(trials)} below {asked} with all that is uncertain: "
         text += f"{100.0 * truth.uncertainty:.2g} % of the reference"
         text += f", {100.0 * trials.doubt:.2g} % of time and load steps" if trials.doubt > 0.0 else ""
         forces = f"its forces differ by {100.0 * _off_by_force(trials, place):.2g} % from those of the finest run"

@@ -41,7 +41,7 @@ LEAST_LIMIT = 2.0
 """CPU time [s] that it may take in any case, while the search is longer than that."""
 CLIMBERS = 4
 """Configurations that go beyond level 2 for the sake of others at most."""
-STUBBORN = 0.08
+STUBBORN = 0.06
 """Of the search that a run of the survey may take."""
 FAR = 4.0
 """Times the cheapest run of its level that it may take: for so much there is one on a mesh nearly twice as fine."""
@@ -49,6 +49,8 @@ BEST_ORDER = 1.5
 """Order of convergence that a trial may hope for."""
 REPEATS = 3
 """Timed runs of those that may be the cheapest; costs are medians."""
+STEPS = 0.25
+"""Of the error that may be left by load steps: at costs n h^-2 the least for errors a h + b / n leaves them a third."""
 DOUBLINGS = 3
 """Times that load steps are doubled at most where the answer depends on them."""
 
@@ -82,7 +84,7 @@ class _Search:
     # --- coarse meshes -----------------------------------------------------------------------------
 
     def survey(self) -> Plan:
-        """Level 1 of everything that could win, then level 2 of what finished there."""
+        """Level 1 of everything that could win, then level 2 of one run for each slave, element and integrator."""
         trials, sides = self.trials, exchangeable(self.scene.data)
         patterns = [(), sides] if sides else [()]
         algorithms = algorithms_for(self.scene, self.registry)
@@ -90,25 +92,31 @@ class _Search:
         finished: list[Configuration] = []
         while ways and not finished:
             way = ways.pop(0)
-            first = [Configuration(a, pattern, "", way) for pattern in patterns for a in algorithms]
-            yield from self._coarse(first[:1])
-            yield from self._coarse(first)
-            finished = [each for each in first if trials.ladder(each)]
+            every = [Configuration(a, pattern, "", way) for pattern in patterns for a in algorithms]
+            for each in every:  # the first that finishes tells the load steps of all
+                finished = finished or (yield from self._coarse([each]))
         if not finished:  # one of those that were stopped may take all that is left
             yield from trials.longer()
             return
-        steps = yield from self._load_steps(finished[0])
-        if steps:
-            trials.steps = steps
-            finished = yield from self._coarse([replace(each, steps=steps) for each in finished])
-        if len(sides) > 1:
-            finished += yield from self._coarse([replace(finished[0], exchanged=(n,)) for n in sides])
+        trials.steps = yield from self._load_steps(finished[0])
+        first = replace(finished[0], steps=trials.steps)
+        finished = yield from self._coarse([replace(first, algorithm=algorithm) for algorithm in algorithms])
+        elements = elements_for(self.scene, self.registry)
+        others = [replace(first, exchanged=pattern, element=each) for each in elements for pattern in patterns]
+        others = yield from self._coarse([each for each in others if each != first])
+        rest = [replace(each, algorithm=one.algorithm) for one in finished[1:] for each in others]
+        if self._cheap(sum(trials.cost((each, 1)) for each in others) * len(finished[1:])):
+            others += yield from self._coarse(rest)
         for way in ways:
-            finished += yield from self._other_integrator(finished, replace(finished[0], integrator=way, steps=0))
-        finished += yield from self._elements(finished)
-        families = {(each.exchanged, each.element, each.integrator): each for each in reversed(finished)}
+            others += yield from self._other_integrator(finished, replace(first, integrator=way, steps=0))
+        finished += others
         # one of each first: if time is short they tell more than algorithms that differ in nothing else
+        dear = sorted(finished, key=lambda each: (each.algorithm == first.algorithm, -trials.cost((each, 1))))
+        families = {each.element or (*each.exchanged, each.integrator): each for each in dear}
         yield from trials.run([(each, 2) for each in families.values()], REFINED, self._limit(2))
+        single = [replace(first, exchanged=(n,)) for n in sides if len(sides) > 1]
+        if self._cheap(trials.cost((first, 1)) * len(single)):
+            finished += yield from self._coarse(single)
         yield from trials.run([(each, 2) for each in finished], SURVEY, self._limit(2))
         self._so_far()
 
@@ -117,11 +125,15 @@ class _Search:
         yield from self.trials.run([(each, 1) for each in wanted], SURVEY, self._limit(1))
         return [each for each in wanted if self.trials.ladder(each)]
 
+    def _cheap(self, cost: float) -> bool:
+        """Whether less than half of what is left of the survey is enough for runs that cost so much [CPU s]."""
+        return cost < 0.5 * (SURVEY * self.wish.search - self.trials.spent)
+
     def _limit(self, level: int) -> float:
         """CPU time [s] that a run of the survey may take: a part of the search, and not far more than the others."""
         costs = [trial.cost for (_, n), trial in self.trials.all.items() if n == 1 and trial.finished]
         usual = max(min(costs, default=math.inf), EQUAL) * level ** GROWTH[1]
-        return float(min(level * self.limit, FAR * usual))
+        return min(self.limit, FAR * usual)
 
     def _load_steps(self, first: Configuration) -> Generator[Sequence[Any], Sequence[Any], int]:
         """Load steps with which the answer keeps still if it depends on them and nobody named them; 0 leaves them."""
@@ -137,7 +149,7 @@ class _Search:
             if after is None or not (trials.comparable(before) and trials.comparable(after)):
                 break
             trials.doubt = change = trials.apart(before, after)  # of first order: as much is left in the finer one
-            if 2.0 * change <= self.wish.error / CLEAR:
+            if 2.0 * change <= STEPS * self.wish.error:
                 trials.doubt *= 2.0
                 break
             before, steps = after, 2 * steps
@@ -160,16 +172,6 @@ class _Search:
             return []
         return (yield from self._coarse([replace(each, integrator=other.integrator, steps=0) for each in finished]))
 
-    def _elements(
-        self, finished: Sequence[Configuration]
-    ) -> Generator[Sequence[Any], Sequence[Any], list[Configuration]]:
-        """Level 1 with other elements; of the first algorithm only if they are dear."""
-        trials, elements = self.trials, elements_for(self.scene, self.registry)[1:]
-        cost = sum(trials.cost((each, 1)) for each in finished) * len(elements)
-        few = cost > 0.5 * SURVEY * self.wish.search - trials.spent
-        chosen = [each for each in finished if not few or each.algorithm == finished[0].algorithm]
-        return (yield from self._coarse([replace(each, element=element) for each in chosen for element in elements]))
-
     # --- fine meshes -------------------------------------------------------------------------------
 
     def refine(self) -> Plan:
@@ -180,19 +182,16 @@ class _Search:
             exact = truth is not None and truth.uncertainty <= self.wish.error / CLEAR
             if exact and truth is not None and not truth.alone:
                 return
-            climbing = [each for each in trials.ladders() if self._may_climb(trials.by_name(each.name))]
+            climbing = [each for each in trials.ladders() if self._next_level(trials.by_name(each.name), 0.0)]
             if exact and truth is not None:  # another one is to vouch for it
                 climbing = [each for each in climbing if each.finest < truth.level]
             above = [each for each in trials.ladders() if each.finest > 2]
             if len(above) >= CLIMBERS:
                 climbing = [each for each in climbing if each.finest > 2]
-            single = [(math.inf, each) for each in climbing if len(each.values) < 2]
-            best = beside([*ranked(climbing, trials.judged()), *single], 2)
-            climbers = [trials.by_name(each.name) for _, each in best]
-            wanted = [(each, self._next_level(each)) for each in climbers]
+            best = beside(ranked(climbing, trials.judged(), truth), 2)
             useless = truth is None or truth.uncertainty >= self.wish.error  # no trial could keep it
-            part = TRIED if useless else REFINED
-            left = part * self.wish.search - trials.spent
+            left = (TRIED if useless else REFINED) * self.wish.search - trials.spent
+            wanted = [(each, self._next_level(each, left)) for each in (trials.by_name(one.name) for _, one in best)]
             while wanted and sum(trials.expected(*place) for place in wanted) > left:
                 wanted.pop()
             if not wanted:
@@ -200,20 +199,13 @@ class _Search:
             yield from trials.run(wanted, 1.0)
             self._so_far()
 
-    def _may_climb(self, configuration: Configuration) -> bool:
-        """Whether there is a finer level that was not tried."""
-        level = self._next_level(configuration)
-        return level > 0 and (configuration, level) not in self.trials.all
-
-    def _next_level(self, configuration: Configuration) -> int:
-        """The next finer level: twice the finest, or less if that is too dear; 0 if there is none."""
+    def _next_level(self, configuration: Configuration, left: float) -> int:
+        """The next finer level: twice the finest, or less if that takes most of the CPU time left [s]; 0 if none."""
         finest = max(self.trials.ladder(configuration))
-        finer = [level for level in FINER if level > finest]
-        double = next((level for level in finer if level >= 2 * finest), 0)
-        left = REFINED * self.wish.search - self.trials.spent
-        if double and self.trials.expected(configuration, double) < 0.6 * left:
-            return double
-        return next(iter(finer), 0)
+        tried = {level for each, level in self.trials.all if each == configuration}
+        finer = [level for level in FINER if finest < level <= 2 * finest and level not in tried]
+        fitting = [level for level in finer if self.trials.expected(configuration, level) < 0.6 * left]
+        return max(fitting, default=next(iter(finer), 0))
 
     # --- trials ------------------------------------------------------------------------------------
 

@@ -143,9 +143,9 @@ class PressuresJudged:
         return {number: with_root_edges(profile) for number, profile in found.items()}
 
     @staticmethod
-    def mean(all_of: Sequence[Pressures]) -> Pressures:
-        """Mean pressure of several runs."""
-        return {number: mean_profile([each[number] for each in all_of]) for number in all_of[0]}
+    def mean(all_of: Sequence[Pressures], weights: Floats) -> Pressures:
+        """Mean pressure of several runs, with weights."""
+        return {number: mean_profile([each[number] for each in all_of], weights) for number in all_of[0]}
 
 
 class ForcesJudged:
@@ -164,9 +164,9 @@ class ForcesJudged:
         return found
 
     @staticmethod
-    def mean(all_of: Sequence[Floats]) -> Floats:
-        """Mean forces of several runs."""
-        return np.asarray(np.mean(all_of, axis=0))
+    def mean(all_of: Sequence[Floats], weights: Floats) -> Floats:
+        """Mean forces of several runs, with weights."""
+        return np.asarray(np.average(all_of, axis=0, weights=weights))
 
     @staticmethod
     def apart(found: Floats, other: Floats) -> float:
@@ -200,10 +200,10 @@ def _end(ends: Sequence[tuple[float, float, float]], inner: Callable[..., float]
     return float(inner(places) if same else outer(places))
 
 
-def mean_profile(profiles: Sequence[Profile]) -> Profile:
+def mean_profile(profiles: Sequence[Profile], weights: Floats | None = None) -> Profile:
     """The mean of piecewise linear functions in their common window, on their nodes: of near ones the first."""
     low, high = common_window(profiles)
     x = np.unique(np.clip(np.concatenate([profile.x for profile in profiles]), low, high))
     near = NEAR * (high - low)
     x = x[np.r_[True, np.diff(x) > near]]
-    return Profile(x, np.asarray(np.mean([profile(x) for profile in profiles], axis=0)))
+    return Profile(x, np.asarray(np.average([profile(x) for profile in profiles], axis=0, weights=weights)))

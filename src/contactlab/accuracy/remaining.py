@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -22,14 +23,14 @@ class Judged(Protocol):
     def sharpened(self, found: Any) -> Any:
         """The same without what no mesh follows."""
 
-    def mean(self, all_of: Sequence[Any]) -> Any:
-        """Mean of several runs."""
+    def mean(self, all_of: Sequence[Any], weights: Floats) -> Any:
+        """Mean of several runs, with weights."""
 
     def apart(self, found: Any, other: Any) -> float:
         """Relative distance."""
 
 
-ORDERS = np.linspace(0.4, 1.5, 23)
+ORDERS = np.linspace(0.2, 1.5, 27)
 """Orders of convergence that are tried: edges of contact bound them at the one end, singular ones at the other."""
 MISFIT = 0.02
 """Relative misfit, root mean square, beyond that of the best order with which an order counts by a third less."""
@@ -37,7 +38,7 @@ FLOOR = 0.1
 """Mean square of distances that is added to each: two levels that agree by chance tell nothing of the order."""
 ALONE = 1.5
 """Times the error that a single line of runs leaves by its own estimate: nothing stands beside it."""
-NEAR_FINEST = 0.7
+NEAR_FINEST = 0.6
 """Level over the finest one from which on a run takes part in the reference."""
 
 
@@ -84,6 +85,12 @@ def left_at(values: Mapping[int, Any], judged: Judged) -> float:
     which leaves x (a + b)^(1/2). The result is the mean over tried orders q, weighed by how well they fit; two levels
     tell nothing of b and q.
     """
+    left, weight = _fit(values, judged)
+    return float(weight @ left)
+
+
+def _fit(values: Mapping[int, Any], judged: Judged) -> tuple[Floats, Floats]:
+    """Errors left with each of the orders, and weights of these."""
     levels = sorted(values)
     fine = [judged.sharpened(values[level]) for level in levels]
     i, j = np.triu_indices(len(levels), 1)
@@ -98,7 +105,7 @@ def left_at(values: Mapping[int, Any], judged: Judged) -> float:
         floor = FLOOR * max(own.mean(), 1e-300)
         misfit[k] = np.mean((0.5 * np.log((a * shared + b + floor) / (own + floor))) ** 2)
     weight = np.exp((misfit.min() - misfit) / (2.0 * MISFIT**2))
-    return float(weight @ left / weight.sum())
+    return left, weight / weight.sum()
 
 
 def _line(t: Floats, y: Floats) -> tuple[float, float]:
@@ -112,9 +119,21 @@ def _line(t: Floats, y: Floats) -> tuple[float, float]:
     return (steep, 0.0) if b < 0.0 else (a, b) if a > 0.0 else (0.0, float(y.mean()))
 
 
-def ranked(ladders: Sequence[Ladder], judged: Judged) -> list[tuple[float, Ladder]]:
-    """Ladders of at least two levels with the error that each has left, the least for its cost first."""
-    found = [(left_at(each.values, judged), each) for each in ladders if len(each.values) > 1]
+def ranked(ladders: Sequence[Ladder], judged: Judged, truth: Truth | None = None) -> list[tuple[float, Ladder]]:
+    """Ladders with the error that each has left, the least for its cost first; single levels by the truth so far.
+
+    Those of two levels, which tell nothing of the order, have the orders of those of more levels.
+    """
+    fits = {each.name: _fit(each.values, judged) for each in ladders if len(each.values) > 1}
+    longer = [fits[each.name][1] for each in ladders if len(each.values) > 2]
+
+    def left(each: Ladder) -> float:
+        if each.name in fits:
+            found, weight = fits[each.name]
+            return float((np.mean(longer, axis=0) if longer and len(each.values) == 2 else weight) @ found)
+        return judged.apart(each.values[each.finest], truth.value) + truth.uncertainty if truth else math.inf
+
+    found = [(left(each), each) for each in ladders]
     return sorted(found, key=lambda pair: pair[0] * max(pair[1].cost, 1e-3) ** 0.4)
 
 
@@ -128,22 +147,26 @@ def beside(pairs: Sequence[tuple[float, Ladder]], most: int) -> list[tuple[float
 
 
 def truth_of(ladders: Sequence[Ladder], judged: Judged, climbers: int) -> Truth | None:
-    """The mean of the best runs near the finest level; None if no ladder has two levels.
+    """The mean of the best runs near the finest level, with weights 1/u for errors u left; None without two levels.
 
-    Its uncertainty is the largest of the errors that they have left, of their distances from the mean, and of what
-    the best runs with other elements or slaves lie off beyond twice their own errors.
+    Its uncertainty is the largest of the error of the mean, which squared is the mean of u^2 less that of their squared
+    distances from the mean, of these distances, and of what the best runs with other elements or slaves lie off beyond
+    twice their own errors.
     """
-    pairs = sorted(ranked(ladders, judged), key=lambda pair: pair[0])
+    pairs = sorted(ranked([each for each in ladders if len(each.values) > 1], judged), key=lambda pair: pair[0])
     if not pairs:
         return None
     best = beside(pairs, climbers)
     finest = max(ladder.finest for _, ladder in best)
     within = [pair for pair in best if pair[1].finest >= NEAR_FINEST * finest]
     values = [judged.sharpened(ladder.values[ladder.finest]) for _, ladder in within]
-    mean = judged.mean(values)
-    own = [left for left, _ in within]
-    uncertainty = ALONE * own[0] if len(own) == 1 else float(np.mean(own))
-    uncertainty = max(uncertainty, *(judged.apart(value, mean) for value in values))
+    own = np.array([max(left, 1e-12) for left, _ in within])
+    weights = 1.0 / own / np.sum(1.0 / own)
+    mean = judged.mean(values, weights)
+    spread = np.array([judged.apart(value, mean) for value in values])
+    # the parallelogram law, which holds for whatever parts of their errors are the same in all
+    shared = float(weights @ (own**2 - spread**2))
+    uncertainty = max(math.sqrt(max(shared, 0.0)), spread.max()) if len(own) > 1 else ALONE * own[0]
     for left, ladder in best:
         off = judged.apart(judged.sharpened(ladder.values[ladder.finest]), mean)
         uncertainty = max(uncertainty, off - 2.0 * left)

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from statistics import median
 from typing import Any
 
+import numpy as np
+
 from contactlab.accuracy.configuration import Configuration
 from contactlab.accuracy.judged import ForcesJudged, Judge, PressuresJudged, forces_of, frames_of
 from contactlab.accuracy.point import cost_of, spent_on
@@ -46,7 +48,7 @@ class Trial:
     """A configuration at a level: what its run gave.
 
     costs    CPU times of its runs without start and compilation [s]
-    facts    load steps, and whether the way to the end matters
+    facts    load steps, whether the way to the end matters, whether anything is pressed there
     reached  part of the loading that a run came to which did not finish
     """
 
@@ -91,8 +93,8 @@ class Trials:
         self._off: dict[Place, float] = {}
 
     def run(self, wanted: Sequence[Place], until: float, limit: float = math.inf) -> Plan:
-        """Make these trials, the cheap ones first, while the CPU time spent stays below a part of the search."""
-        fresh = [place for place in dict.fromkeys(wanted) if place not in self.all]
+        """Make these trials within a limit [CPU s], the cheap ones first, up to a part of the search in all."""
+        fresh = [p for p in dict.fromkeys(wanted) if p not in self.all and self.expected(*p) <= limit]
         fresh.sort(key=lambda place: self.expected(*place))
         if fresh and not self.stopped:
             yield [self._one(place, until * self.wish.search, limit) for place in fresh]
@@ -143,7 +145,12 @@ class Trials:
         if trial.forces is None:
             trial.pressures = self.judge.pressures(record)
             trial.forces = forces_of(record, place[0].exchanged)
-            trial.facts = {"steps": record.summary.get("steps", 0), **record.summary.get("history", {})}
+            pressed = any(np.any(np.nan_to_num(found[-1].pressure)) for found in record.curves.values() if len(found))
+            trial.facts = {
+                "steps": record.summary.get("steps", 0),
+                **record.summary.get("history", {}),
+                "pressed": pressed,
+            }
         self.said(f"{name}: {trial.costs[-1]:.3g} s")
 
     def name(self, configuration: Configuration) -> str:
@@ -184,6 +191,10 @@ class Trials:
     def pressed(self) -> bool:
         """Whether pressures can be judged."""
         return any(trial.pressures for trial in self.all.values())
+
+    def bounded(self) -> bool:
+        """Whether an error can be promised: of pressures, or of forces where nothing is pressed at the end."""
+        return self.pressed() or not any(trial.facts["pressed"] for trial in self.all.values() if trial.finished)
 
     def value(self, trial: Trial) -> Any:
         """What is compared of a run."""
