@@ -72,7 +72,7 @@ END = "return Step(work, reaction)"
         (
             "v += compliance * force / dt",
             'state["displacement"][:] += compliance * force',
-            "contact pushes without limit",
+            "contact forces are unbounded",
         ),
     ],
 )

@@ -191,7 +191,7 @@ def test_steps_of_quasi_static_implicit_dynamics_follow_the_period() -> None:
         ("central-difference", {"duration": LATE}, "supports.1.uy.duration", "supports.1.uy.duration = 0.02 "),
         ("central-difference", {"begin": LATE}, "time.ramp", "write time.ramp = "),
         ("implicit-dynamics", {"duration": LATE}, "supports.1.uy.duration", "supports.1.uy.duration = 0.02 "),
-        ({"use": "implicit-dynamics", "steps": 20}, {"duration": LATE}, "integrator.steps", "or leave it out"),
+        ({"use": "implicit-dynamics", "steps": 20}, {"duration": LATE}, "integrator.steps", "or omit it"),
     ],
 )
 def test_a_loading_that_is_too_fast_is_told_by_the_key_that_slows_it(

@@ -234,7 +234,7 @@ def test_a_hold_is_followed_where_a_law_depends_on_rate(maxwell: Registry) -> No
 
 def test_explain_says_what_load_steps_follow(maxwell: Registry) -> None:
     rated, elastic = (explain(relaxing(maxwell, 40, law), maxwell).scene for law in ("maxwell", "linear-elastic"))
-    assert rated.steps_follow == "loading and time: the law of column depends on rate"
+    assert rated.steps_follow == "loading and time: material of column is rate-dependent"
     assert elastic.steps_follow == "loading"
     assert rated.estimated_steps == pytest.approx(40, abs=1)
     assert elastic.estimated_steps == 41, "a hold of what does not depend on rate is passed in one step"

@@ -27,7 +27,7 @@ def scene(algorithm: str, where: str, level: int) -> Scene:
 def run(algorithm: str, where: str, level: int) -> Results:
     results = contactlab.simulate(scene(algorithm, where, level))
     assert results.status == "finished", results.reason
-    assert not any("taken back" in event.text for event in results.events)
+    assert not any("rejected after" in event.text for event in results.events)
     return results
 
 

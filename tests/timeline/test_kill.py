@@ -185,7 +185,7 @@ def check_files(folder: Path, frames: int) -> None:
     assert len(results.frames) == stored
     if results.status != "finished":  # killed after its last frame it may be complete
         assert results.status == "interrupted"
-        assert "without a word (killed" in results.reason
+        assert "without a message (killed" in results.reason
     for frame in results.frames:
         assert frame.time == times[frame.number]
         assert np.isfinite(frame.displacement).all()

@@ -94,7 +94,7 @@ def test_a_part_that_remembers_is_told_of(
     run = simulate(small_scene({"record.last": 200}), tmp_path / "run")
     assert run.status == "diverged"
     assert run.last_steps == {}
-    assert any("did not come out again" in event.text for event in run.events)
+    assert any("differ from the original steps" in event.text for event in run.events)
 
 
 def test_implicit_runs_keep_each_of_their_steps(small_scene: MakeScene, tmp_path: Path) -> None:

@@ -208,5 +208,5 @@ def test_another_scene_is_refused_by_key(small_scene: MakeScene, tmp_path: Path)
 
 def test_run_without_a_saved_state_cannot_be_taken_up(small_scene: MakeScene, tmp_path: Path) -> None:
     simulate(small_scene({"record.recorders": [], "time.end": 1e-7}), tmp_path)
-    with pytest.raises(RequestError, match="no run that could be taken up"):
+    with pytest.raises(RequestError, match="no run that could be resumed"):
         simulate(small_scene({"record.recorders": [], "time.end": 1e-7}), tmp_path, resume=True)

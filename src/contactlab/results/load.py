@@ -191,7 +191,7 @@ class _Reader:
             "format": 1,
             "scene": self.layout.title,
             "status": "interrupted",
-            "reason": "the run ended without a word before its first state was saved",
+            "reason": "the run ended without a message before its first state was saved",
             "parts": dict(self.layout.parts),
             "versions": dict(self.layout.versions),
             "steps": sum(end - begin for begin, end in self.steps),

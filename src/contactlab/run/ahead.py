@@ -1,8 +1,8 @@
-"""Kernels that other processes compile ahead, while this one compiles those that it calls before them.
+"""Kernels that other processes compile ahead, while this process compiles the kernels that it calls first.
 
 A first run compiles some thirty kernels one after the other, each when it is called; a few of them take most of the
-time. Where some of these are not in the cache, processes beside the run compile them, the longest first, as far as the
-machine has cores. A run that gets to such a kernel waits until it is done, and loads it.
+time. If some of these are not in the cache, parallel processes compile them, the longest first, as far as the machine
+has cores. A run that gets to such a kernel waits until it is done, and loads it.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from contactlab.scene.scene import Scene
 
 MOST = 3
-"""Processes beside a run: the longest kernel alone takes a fourth of the time of all."""
+"""Processes that compile in parallel to a run: the longest kernel alone takes a fourth of the time of all."""
 FEWEST = 2
 """Kernels that are worth a process: it takes a second to begin."""
 _processes: list[Popen[bytes]] = []
@@ -41,14 +41,14 @@ def compile_ahead(scene: Scene) -> None:
 
 @cache
 def _compile(kernels: Sequence[KnownKernel]) -> None:
-    """Once in a process: what was not in the cache is on its way then."""
+    """Start to compile the kernels that are not in the cache, once in a process."""
     missing = sorted((kernel for kernel in kernels if _is_missing(kernel)), key=lambda kernel: -kernel.seconds)
     if len(missing) >= FEWEST:
         _start(missing, min(len(missing), MOST, usable_cores() - 1))
 
 
 def _is_missing(kernel: KnownKernel) -> bool:
-    """Whether no machine code of it is on the disk; its module need not be imported for that."""
+    """Return whether no machine code of a kernel is on the disk, without importing its module."""
     from contactlab.api.compiled.cache import cache_folder
 
     package, *inner = kernel.module.split(".")
@@ -82,7 +82,7 @@ def wait_for_all() -> None:
 
 @atexit.register
 def _end_all() -> None:
-    """What is still compiled is of no use to a run that is over: the next one begins with what is stored."""
+    """Kill the processes that still compile when a run ends; kernels that are stored stay in the cache."""
     for process in _processes:
         process.kill()
     wait_for_all()

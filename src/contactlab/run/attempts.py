@@ -26,11 +26,11 @@ TOO_MUCH = 0.05
 
 @dataclass(frozen=True)
 class Attempt:
-    """A run that came short, or that could not begin.
+    """A run that failed or gave a poor answer, or that could not begin.
 
     use      the integrator
     status   of its run; "refused" if the integrator does not take the scene
-    reason   why it came short
+    reason   why another integrator is tried
     reached  time and share of the loading, as in `summary.json`; empty without a run
     cpu_s    CPU time of its steps [s]
     folder   its results, below the folder of the run; "" if there are none
@@ -55,14 +55,14 @@ class Attempt:
 
     @property
     def brief(self) -> str:
-        """How it ended, and the first clause of the reason."""
+        """The end of the attempt, and the first clause of the reason."""
         ended = "came short" if self.status == FINISHED else self.status
         cost = f" ({self.cpu_s:.2g} CPU s)" if self.reached else ""
         return f"{self.use} {ended}: {self.reason.partition(';')[0].partition(' (')[0]}{cost}"
 
     @property
     def progress(self) -> tuple[bool, float]:
-        """What tells which of several attempts got furthest."""
+        """Sort key of attempts by how far they got."""
         return self.status == FINISHED, float(self.reached.get("share", 0.0))
 
 
@@ -102,7 +102,7 @@ class Attempts:
         self.tried = [Attempt(**attempt) for attempt in found.get("tried", ())]
 
     def resolved(self, use: str) -> dict[str, Any]:
-        """What `summary.json` says of the integrator under `resolved`, if it is this one."""
+        """Return the entry of integrator `use` in `summary.json`, under `resolved`."""
         order, tried = [dict(spec) for spec in self.order], [asdict(attempt) for attempt in self.tried]
         return {"use": use, "order": order, "tried": tried}
 
@@ -136,13 +136,13 @@ class Attempts:
         return (RunWarning(
             "not-at-rest", share, SETTLED_KINETIC, "time.end",
             f"bodies move at the end: kinetic energy is {share:.1%} of the largest work (limit {SETTLED_KINETIC:.1%}), "
-            f"and {ran[0].use} came short, so that the end is a moment of a motion and no equilibrium; write a "
-            'later time.end, or time.end = "auto" for a state of rest',
+            f"so the end is not an equilibrium, and {ran[0].use} did not find one; write a later time.end, or "
+            'time.end = "auto" for a state of rest',
         ),)  # fmt: skip
 
 
 def comes_short(summary: Mapping[str, Any]) -> str:
-    """Why another integrator should be tried; empty if the run is right, or if another one would not help."""
+    """Return why another integrator should be tried; empty if the run is right, or another would not help."""
     if summary["status"] in NEXT:
         return str(summary["reason"])
     if summary["status"] != FINISHED:

@@ -17,7 +17,7 @@ TEXTS: dict[str, tuple[str, str, str]] = {
     ),
     "linear-momentum": (
         "contacts.0.algorithm", "linear momentum is not conserved, {name}: {value} of the sum of magnitudes",
-        "use another contact algorithm: this one does not push both sides alike",
+        "use another contact algorithm: this one does not apply equal and opposite forces",
     ),
     "angular-momentum": (
         "contacts.0.algorithm", "angular momentum is not conserved, {name}: {value}",
@@ -25,7 +25,7 @@ TEXTS: dict[str, tuple[str, str, str]] = {
     ),
     "asymmetry": (
         "symmetry", "displacements of a scene with symmetry = \"x\" differ by {value} of the largest one",
-        "take shorter steps, or take symmetry out if the scene has none",
+        "take shorter steps, or remove symmetry if the scene has none",
     ),
     "contact-pull": (
         "enforcement", "contact pulls, or friction exceeds its bound, by {value} of the largest force of the run",
@@ -40,8 +40,8 @@ TEXTS: dict[str, tuple[str, str, str]] = {
         "(swap)",
     ),
     "kept-overlap": (
-        "swap", "pressed surfaces come nearer than they may: forces of given motions are too small, and what loads "
-        "press lies too deep; pushing it back would take {value} of the work of the stresses", "",
+        "swap", "pressed surfaces keep an overlap: forces of given motions are too small, and bodies pressed by loads "
+        "lie too deep; removing it would take {value} of the work of the stresses", "",
     ),
     "creep": (
         "algorithm", "nodes that stick creep by {value} of the motion of the surfaces in the last step: friction holds "
@@ -50,7 +50,7 @@ TEXTS: dict[str, tuple[str, str, str]] = {
     "pressure-saw": ("algorithm", "the pressure alternates from node to node by {value} of its largest value", ""),
     "shear-saw": ("algorithm", "the shear alternates from node to node by {value} of its largest value", ""),
 }  # fmt: skip
-"""By code: key of the scene (of the contact, where there is one), what was seen, what to try; "" where it depends."""
+"""By code: key of the scene (or of the contact), what was found, what to try; "" if that depends on the run."""
 
 
 def breach(one: Invariant, model: Model) -> RunWarning:
@@ -68,22 +68,22 @@ def _cure(one: Invariant, model: Model) -> str:
     if one.code == "ledger":
         if model.explicit:
             return "take shorter steps (time.fraction)"
-        at_once = "a load that is there from the first step on does its work in one step"
+        at_once = "a load that acts from the first step on does its work in one step"
         return f"{at_once}: give loads a ramp, or take more steps (integrator.steps)"
     (pair,) = (pair for pair in model.contact.pairs if pair.name == one.where)  # type: ignore[union-attr]
     if one.code == "kept-overlap":
         if model.integrator.inertia:
-            return 'take the side with the shorter segments as slave (swap), finer cells there, or forces = "frozen"'
+            return 'take the side with shorter segments as slave (swap), refine it, or set forces = "frozen"'
         part = pair.method if pair.by_energy else model.contact.enforcement  # type: ignore[union-attr]
         return (
-            f"make {type(part).__name__} {one.value / one.limit:.2g} times as stiff, take finer cells, or contact "
+            f"make {type(part).__name__} {one.value / one.limit:.2g} times as stiff, refine the cells, or take contact "
             'without springs (mortar-p1, enforcement = "active-set")'
         )
     own, other = (float(side.lengths(at).mean()) for side, at in zip((pair.slave, pair.master), pair.at, strict=True))
     if other > COARSER * own:
         return (
-            f"segments of the master are {other / own:.2g} times as long as those of the slave, and press with their "
-            "ends: shorten them (cells of its body, or `segment` of a rigid surface)"
+            f"segments of the master are {other / own:.2g} times as long as segments of the slave, and press with "
+            "their ends: shorten them (cells of its body, or `segment` of a rigid surface)"
         )
     if pair.method.passes_patch_test:
         return f"{FINER}; pressures add up to the forces, and nodal_pressure alternates less"

@@ -36,7 +36,7 @@ def main() -> None:
         for module, name, types, _ in json.loads(sys.argv[1]):
             if os.getppid() != parent:
                 return
-            # whatever is wrong here is found, and told, by the run that calls the kernel
+            # errors here are found, and reported, by the run that calls the kernel
             with suppress(Exception):
                 _compile(module, name, types)
 

@@ -1,4 +1,4 @@
-"""What a first run is doing before its first step: "compiling kernel 12 of 31"."""
+"""Progress of a first run before its first step: "compiling kernel 12 of 31"."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from contactlab.scene.scene import Scene
 
 UNKNOWN = 30
-"""Kernels of a scene that is like no other."""
+"""Number of kernels that is assumed for a scene without a known list."""
 
 
 @contextmanager

@@ -50,7 +50,7 @@ class ContactGuard:
         self.unheld = () if model.integrator.inertia else _unheld(model, self.pairs)
 
     def after_step(self, residual: float) -> None:
-        """Stop where the contact was not solved, or flickered, for many steps."""
+        """Stop if the contact was not solved, or flickered, for many steps."""
         self.loose = self.loose + 1 if residual > LOOSE else 0
         if self.loose >= PATIENCE:
             self._not_solved(residual)
@@ -74,12 +74,12 @@ class ContactGuard:
             self.model,
             f"the contact solve left a residual of {residual:.1e} segment lengths (allowed {LOOSE:.0e}) in {PATIENCE} "
             f"consecutive steps{self._worst_condition()}",
-            "make the lighter or finer side the slave, or allow more sweeps",
+            "make the lighter or finer side the slave, or allow more sweeps (Gauss-Seidel iterations)",
             "not-converged",
         )
 
     def _worst_condition(self) -> str:
-        """Where contact conditions hold least: pressed ones off the surface, or open ones behind it."""
+        """Return the place of the largest violation: pressed nodes off the surface, or open nodes behind it."""
         found = []
         for pair in self.pairs:
             gaps = pair.snapshot(self.model.state, self.model.position).gaps
@@ -96,11 +96,11 @@ class ContactGuard:
 
     def _chatters(self, changes: int, conditions: int, last: int) -> None:
         pair = next(p for p in reversed(self.pairs) if p.first_slot <= last)
-        by_itself = "; sliding with friction flutters by itself where damping is small" if pair.friction else ""
+        by_itself = "; sliding with friction may flutter if damping is small" if pair.friction else ""
         stop(
             self.model,
             f"{pair.name} chatters: {changes} of {conditions} contact conditions opened or closed in the last "
-            f"step, more than {FLICKER:.0%} in each of {CHATTER} steps, among them that of "
+            f"step (limit {FLICKER:.0%} of them in {CHATTER} consecutive steps), for example at "
             f"{self._slave_node(pair, last - pair.first_slot)}",
             f"try {self.shorter}, some damping, or the other side as slave{by_itself}",
         )
@@ -125,7 +125,7 @@ class ContactGuard:
         self.before[:] = self.model.position
 
     def _check_passage(self) -> None:
-        """Stop where nodes have come through the other side, farther than their depth is looked for."""
+        """Stop if nodes have passed through the other side, beyond the depth that `check_penetration` covers."""
         from contactlab.contact.passage import first_passage
 
         position = self.model.position
@@ -140,11 +140,11 @@ class ContactGuard:
                 self.model,
                 f"{passage.pair.name}: {node_name(self.model, passage.node)} has passed through the other side, to "
                 f"({x:.4g}, {y:.4g})",
-                f"it moved too far at once: try {self.shorter}, or look whether anything holds the bodies",
+                f"it moved too far in one step: try {self.shorter}, or check the supports of the bodies",
             )
 
     def _check_held(self, body: Body, pairs: tuple[ContactPair, ...]) -> None:
-        """Stop where a body that contacts alone hold has left all of them: nothing says where it is."""
+        """Stop if a body that only contacts hold has left all of them: its position is undetermined."""
         for pair in pairs:
             own = pair.own
             if (self.forces[own] > 0.0).any() or pair.gaps[:, 0].min() <= APART * pair.size:
@@ -155,14 +155,14 @@ class ContactGuard:
         if moved > APART * size and (loose := loose_motions(cast("ImplicitModel", self.model)).get(body.name)):
             stop(
                 self.model,
-                f"body {body.name} has moved by {moved:.3g} out of all its contacts, and nothing holds it against "
-                f"{' or '.join(loose)}",
+                f"body {body.name} has moved by {moved:.3g} out of all its contacts and is free for "
+                f"{' and '.join(loose)}",
                 f"try more integrator.steps, or {hold(body.name, loose)}",
                 "not-converged",
             )
 
     def check_penetration(self) -> None:
-        """Stop where a node lies deep in the other side, by geometry alone."""
+        """Stop if a node lies deep in the other side, by geometry alone."""
         for pair in self.pairs:
             if pair.near is None:
                 continue
@@ -182,7 +182,7 @@ class ContactGuard:
                 )
 
     def _asked_for(self, pair: ContactPair) -> float:
-        """Deepest overlap [mm] that a pressure law of the scene asks for: a foundation gives way by its pressure."""
+        """Deepest overlap [mm] that a pressure law of the scene implies: a foundation gives way by its pressure."""
         if not hasattr(self.model.contact.enforcement, "law"):  # type: ignore[union-attr]
             return 0.0
         gaps = pair.snapshot(self.model.state, self.model.position).gaps

@@ -1,4 +1,4 @@
-"""How long impacts of implicit dynamics last beside the steps that the scene wishes."""
+"""Duration of impacts in implicit dynamics, compared with the step length of the scene."""
 
 from __future__ import annotations
 
@@ -57,14 +57,14 @@ class ContactTimes:
         if number >= limit:
             return
         if kept and self.springs:
-            done = "forces are means over steps, below the largest ones;"
+            done = "forces are means over steps, below their peaks;"
         elif kept:
-            done = "steps were cut to follow it, those between impacts are too long for the vibrations that it leaves;"
+            done = "steps were cut to follow it, but steps between impacts are too long for the vibrations after it;"
         else:
             cut = "" if self.springs else " set integrator.impacts = true, or"
-            done = f"how fast bodies rebound depends on the step;{cut}"
+            done = f"the speed of rebound depends on the step;{cut}"
         yield RunWarning(
             "few-steps-in-contact", number, limit, key,
-            f"an impact lasts {lasted:.3g} s, {number:.2g} of the wished steps of {self.wished:.3g} s (limit {limit}): "
+            f"an impact lasts {lasted:.3g} s, {number:.2g} steps of {self.wished:.3g} s (at least {limit}): "
             f"{done} take steps of {lasted / limit:.2g} s",
         )  # fmt: skip

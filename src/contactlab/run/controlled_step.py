@@ -30,7 +30,7 @@ class ControlledStep:
         self.advance, self.model = advance, model
 
     def __call__(self, dt: float) -> Step:
-        """One step of length dt [s], rejected or not."""
+        """Make one step of length dt [s]; restore the state if its error is too large."""
         start = {name: array.copy() for name, array in model_memory(self.model).items()}
         step = self.advance(dt)
         if step.error is None or step.error <= 1.0:

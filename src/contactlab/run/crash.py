@@ -1,4 +1,4 @@
-"""A run whose interpreter may crash in a part: somebody else tells of it then."""
+"""A run whose interpreter may crash in a part: another process reports the crash then."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The process beside a run that tells how it died, where it could not do so itself; imports the standard library alone.
+"""Process that reports how a run died if the run could not do so itself; imports the standard library alone.
 
 Its standard input is a pipe from the run: a byte, and all is well; an end without one, and the run is gone.
 Arguments: the folder of the run, the scene's name as JSON (which any encoding can pass), and the file into which
@@ -12,7 +12,7 @@ import signal
 import sys
 from pathlib import Path
 
-KILLED = "the process ended without a word (killed, or left by os._exit)"
+KILLED = "the process ended without a message (killed, or left by os._exit)"
 
 
 def main(folder: str, scene: str, trace: str) -> None:
@@ -52,7 +52,7 @@ def described(text: str) -> str:
     begin = next((i for i, line in enumerate(lines) if line.startswith("Current thread")), 0)
     frame = next((line for line in lines[begin:] if line.startswith("File ")), "")
     place = f" in {frame.removeprefix('File ')}" if frame else ""
-    return f"the interpreter crashed ({fault}){place}; crash.txt has all of its stack"
+    return f"the interpreter crashed ({fault}){place}; crash.txt has the whole stack"
 
 
 if __name__ == "__main__":

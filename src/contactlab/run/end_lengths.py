@@ -1,8 +1,8 @@
-"""What nodes stand for where the master ends within a segment of the slave.
+"""Length that nodes stand for where the master ends within a segment of the slave.
 
 A condition of a node (`PointContact` at nodes) stands for all of the node's length, also where a part of it lies beyond
-the end of the master. Forces of exact conditions do not ask for it; a traction per length does: slip stresses (Tresca,
-cohesion) and pressure laws.
+the end of the master. Forces of exact conditions do not depend on it; a traction per length does: slip stresses
+(Tresca, cohesion) and pressure laws.
 """
 
 from __future__ import annotations
@@ -42,17 +42,17 @@ def end_lengths(model: Model, pair: ContactPair) -> Iterator[RunWarning]:
         size = "large" if share > 0.0 else "small"
         yield RunWarning(
             "end-length", share, HIGH, f"{pair.name}.algorithm",
-            f"{pair.name}: the master ends within a segment of the slave, where nodes stand for all of their length: "
+            f"{pair.name}: the master ends within a segment of the slave, whose nodes stand for their whole length: "
             f"the {what} by {whose} is {abs(share):.1%} too {size} (limit {HIGH:.0%}); take a mortar, which "
-            "integrates over what is covered, or let nodes of the slave lie at the ends of the master",
+            "integrates over the overlap, or put nodes of the slave at the ends of the master",
         )  # fmt: skip
 
 
 def excess_force(pair: ContactPair, values: Floats) -> float:
-    """What the forces (k,) [N] of a traction per length have too much where the master ends within a segment.
+    """Return the excess of the forces (k,) [N] of a traction per length where the master ends within a segment.
 
-    The segment's inner node, the outer one, if it is held, and the end of the master, if it presses as a corner, stand
-    for a whole length each; right is the largest of their tractions over what is covered.
+    The segment's inner node, its outer node, if it is held, and the end of the master, if it presses as a corner, stand
+    for a whole length each; correct is the largest of their tractions over the overlap.
     """
     slave, master, at, nodes = pair.slave, pair.master, pair.at, len(pair.slave.nodes)
     traction = np.divide(values, pair.cover, out=np.zeros_like(values), where=pair.cover > 0.0)

@@ -16,7 +16,7 @@ UNEXPLAINED = 0.01  # energy stored without work, over the largest that was ther
 IN_A_STEP = 1e-3  # of it, in one step of an implicit run: a longer step is cut, whose error falls with its cube
 UPHILL = 0.6  # of all energy, in one load step: trapezoids are off by a half at most where forces rise steadily
 GAIN = 0.1  # the same for energy that contact makes: weak conditions on coarse meshes make some per cent
-MADE = 0.01  # energy that contact has made in all, whatever damping took of it since: told
+MADE = 0.01  # energy that contact has made in all, whatever damping took of it since: a warning
 TOO_MUCH_MADE = 0.1  # and the run is stopped
 LOST = 0.05  # energy that springs and potentials took and did not give back: rebounds are off by some per cent
 LASTING = 100  # steps that either must last: sharp impacts borrow some energy for a few
@@ -66,7 +66,7 @@ class EnergyGuard:
                 self.model,
                 f"the bodies hold {unexplained:.3g} more energy than work was done on them, {self._share(unexplained)} "
                 f"(allowed {UNEXPLAINED:.0%}), since step {self.since[0]:.0f}; {self._fastest_body()}",
-                f"the step is too long for what happens: try {self.shorter}",
+                f"the step is too long: try {self.shorter}",
             )
         if self.judges_gain and self._too_much(1, gained, GAIN, last):
             stop(
@@ -84,14 +84,14 @@ class EnergyGuard:
                 self._lost_by_contact(-made)
 
     def step_made_energy(self) -> bool:
-        """Whether the step just made by itself stored more energy than it may: stresses change too much in it."""
+        """Return whether the last step alone stored more energy than it may: stresses change too much in it."""
         if self.come is None:
             return self._uphill()
         before, (_, _, self.unexplained) = self.unexplained, self._measure()
         return self.unexplained - before > IN_A_STEP * self.scale
 
     def _uphill(self) -> bool:
-        """Whether a load step jumped to another equilibrium with more energy than its forces can have supplied."""
+        """Return whether a load step jumped to an equilibrium with more energy than its forces can have supplied."""
         if self.model.integrator.inertia or not self.model.way_followed:
             return False
         before, (stored, self.unexplained) = self.unexplained, stored_energy(self.model)
@@ -131,7 +131,7 @@ class EnergyGuard:
         if self._too_much(2, made, TOO_MUCH_MADE, last):
             stop(
                 self.model,
-                f"contact has made {made:.3g} of energy, {self._share(made)} (allowed {TOO_MUCH_MADE:.0%}), above that "
+                f"contact has made {made:.3g} of energy, {self._share(made)} (allowed {TOO_MUCH_MADE:.0%}), "
                 f"since step {self.since[2]:.0f}; {self._fastest_body()}",
                 cure,
             )
@@ -144,14 +144,14 @@ class EnergyGuard:
             model.warnings.add(
                 RunWarning(
                     "pressed-start", held / others, LOST, "contacts.0.enforcement",
-                    f"{type(store.law).__name__} presses surfaces before the run, which store {held:.3g}, "
-                    f"{held / others:.3g} times the energy of the bodies (allowed {LOST:.0%}): they are thrown apart; "
+                    f"{type(store.law).__name__} presses surfaces before the run: they store {held:.3g}, "
+                    f"{held / others:.3g} times the energy of the bodies (allowed {LOST:.0%}), and are thrown apart; "
                     "leave a gap at which the law begins",
                 )
             )  # fmt: skip
 
     def _gives_back(self) -> bool:
-        """Whether all contact forces are derivatives of energies: multipliers and laws that remember may take some."""
+        """Return whether all contact forces derive from energies: multipliers and laws with history may dissipate."""
         contact: Any = self.model.contact
         if _softly(contact):  # what its springs hold is not known
             return not self.model.state["contact_force"].any()
@@ -168,8 +168,8 @@ class EnergyGuard:
         self.model.warnings.add(
             RunWarning(
                 "contact-energy", -lost / self.scale, -LOST, key,
-                f"contact has lost {lost:.3g} of energy, {self._share(lost)} (allowed {LOST:.0%}), but stores all "
-                f"that it takes: {what}",
+                f"contact has lost {lost:.3g} of energy, {self._share(lost)} (allowed {LOST:.0%}), although it should "
+                f"store all of it: {what}",
             )
         )  # fmt: skip
 
@@ -179,14 +179,14 @@ class EnergyGuard:
         if not share <= OVERSHOOT:
             stop(
                 self.model,
-                f"the kinetic energy is {share:.3g} times all that was supplied (allowed {OVERSHOOT:.0f}); "
+                f"the kinetic energy is {share:.3g} times the energy supplied (allowed {OVERSHOOT:.0f}); "
                 f"{self._fastest_body()}",
-                f"the step is above the stable one: try {self.shorter}, and look whether the material's wave "
-                "speeds and stiffening are right",
+                f"the step is above the stable step: try {self.shorter}, and check the material's wave speeds and "
+                "stiffening",
             )
 
     def _too_much(self, which: int, energy: float, limit: float, last: bool) -> bool:
-        """Whether an energy has been above its limit for long, or is far above it at the end of the run."""
+        """Return whether an energy has long been above its limit, or is far above it at the end of the run."""
         step, share = self.model.state.step, energy / self.scale
         self.since[which] = -1.0 if share <= limit else step if self.since[which] < 0.0 else self.since[which]
         if not share > limit:
@@ -196,7 +196,7 @@ class EnergyGuard:
         return bool(step - self.since[which] >= LASTING or (last and share > AT_THE_END * limit))
 
     def _share(self, energy: float) -> str:
-        return f"{energy / self.scale:.1%} of the largest energy that was there or is to come"
+        return f"{energy / self.scale:.1%} of the largest energy of the run, expected or reached"
 
     def _fastest_body(self) -> str:
         v, mass = self.model.state["velocity"], self.model.mass
@@ -207,14 +207,14 @@ class EnergyGuard:
 
 
 def _softly(contact: Any) -> bool:
-    """Whether surfaces are held by springs that should give energy back, and no law says how much they hold."""
+    """Return whether springs that should give energy back hold surfaces, and no law says how much they store."""
     return bool(getattr(contact.enforcement, "stores", False))
 
 
 def _come(model: Model) -> tuple[Floats, Floats]:
     """Times [s], and the share of the loading that has come by then: of motions or of loads, whichever is behind.
 
-    Both count by the largest value so far: what is taken back was there.
+    Both count by the largest value so far, also if it decreases later.
     """
     times, prescribed = np.linspace(0.0, model.timing.last, SAMPLES), model.prescribed
     moved, loaded = np.zeros(SAMPLES), np.zeros(SAMPLES)
@@ -228,7 +228,7 @@ def _come(model: Model) -> tuple[Floats, Floats]:
 
 
 def _cure(model: Model, shorter: str) -> str:
-    """What to try against energy that contact makes, in words."""
+    """Return advice against energy that contact makes."""
     others = f"try the other side as slave, another algorithm, or {shorter}"
     if getattr(model.contact, "consistent", True) or not model.integrator.inertia:
         return others
@@ -239,6 +239,6 @@ def _cure(model: Model, shorter: str) -> str:
 def _energy_warning(step: int, share: float, limit: float, shorter: str) -> RunWarning:
     return RunWarning(
         "energy-at-end", share, limit, shorter.split()[-1],
-        f"at step {step}, the last one, there is {share:.1%} more energy than is accounted for, of the largest so far "
-        f"(allowed {limit:.0%}); run on to see whether it stays, or try {shorter}",
+        f"step {step}, the last: unexplained energy is {share:.1%} of the largest so far (allowed {limit:.0%}); run "
+        f"longer to see whether it stays, or try {shorter}",
     )  # fmt: skip

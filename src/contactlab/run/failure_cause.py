@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 SHARP = 20.0  # degrees by which a surface turns at a corner: meshes of curves turn by less
 LAST = 8  # iterations whose changes of contact states count
 FILLET = 3.0  # segments: the radius that a snap fit needed to get past a corner
-AT_CORNER = 1.0  # longest segments beside a corner
-SLOPE = 0.05  # of the resistance: what normals that lean by deformation add against sliding is no hold
-USED = 0.9  # of the friction that a contact can carry: more of it is a limit that the load comes to
+AT_CORNER = 1.0  # in the longest segment next to a corner
+SLOPE = 0.05  # of the resistance: normals that lean by deformation resist sliding a little, but do not hold
+USED = 0.9  # of the friction that a contact can carry: above this the load is near its limit
 TIPPED = 0.02  # of the length of a contact: a resultant so near to its end has left the last segments but one
 
 
 def cause_of_failure(model: Model, scene: Scene, trace: Sequence[Iteration], dt: float) -> str:
-    """The likely cause at the last accepted state, with its place and advice; general advice if none is found.
+    """Return the likely cause at the last accepted state, with place and advice; general advice if none is found.
 
     trace  iterations of the last attempt; dt  its length [s]
     """
@@ -48,7 +48,7 @@ def cause_of_failure(model: Model, scene: Scene, trace: Sequence[Iteration], dt:
 
 
 def nothing_holds(model: Model) -> str:
-    """Say what nothing holds in statics, or friction that nothing presses yet, and what would; empty if all is held."""
+    """Say in statics which bodies are free, or held only by friction without pressure; empty if all is held."""
     if model.integrator.inertia:
         return ""
     model = cast("ImplicitModel", model)
@@ -57,14 +57,14 @@ def nothing_holds(model: Model) -> str:
     if not (never := loose_motions(model, pressed=False)):
         told = [f"{body} against {' or '.join(motions)}" for body, motions in loose.items()]
         return (
-            f"friction alone is to hold {', and '.join(told)}, and it cannot from the start: the load drives more "
-            "than it presses; try more friction, pressure before the push, or a support"
+            f"only friction holds {', and '.join(told)}, and it is too weak from the start: the tangential load "
+            "exceeds what the pressure allows; try more friction, pressure before the push, or a support"
         )
     told = [f"{body} against {' or '.join(motions)}" for body, motions in never.items()]
     holds = [hold(body, motions) for body, motions in never.items()]
     return (
-        f"nothing holds {', nor '.join(told)}; {holds[0]}; or let it begin in touch with what is to hold it; what "
-        "moves freely needs inertia (implicit-dynamics)"
+        f"no support holds {', nor '.join(told)}; {holds[0]}; or let it start in contact with the body that should "
+        "hold it; free motion needs inertia (implicit-dynamics)"
     )
 
 
@@ -110,7 +110,7 @@ def _closed(model: Model) -> list[_Node]:
 
 
 def _place(model: Model, scene: Scene, pair: ContactPair, point: Floats) -> str:
-    """Where in words: coordinates and the sides of the contact."""
+    """Return a place in words: coordinates and the sides of the contact."""
     slave, master = scene.contacts[_number(pair)].sides
     return f"near {_coordinates(model, point)}, {slave} on {master}"
 
@@ -127,7 +127,7 @@ def _number(pair: ContactPair) -> int:
 
 
 def _at_a_corner(model: Model, scene: Scene, nodes: Sequence[_Node]) -> str:
-    """The first of some slave nodes that is at a sharp corner of either side."""
+    """Report the first of some slave nodes at a sharp corner of either side; empty if there is none."""
     for node in nodes:
         point, pair = node.position(model), node.pair
         slave, master = scene.contacts[_number(pair)].sides
@@ -155,7 +155,7 @@ def _corners(position: Floats, surface: Surface) -> Iterator[tuple[Floats, float
 
 
 def _cycling(model: Model, scene: Scene, changed: Sequence[_Node]) -> str:
-    """Nodes that change their states without end."""
+    """Report nodes that change their contact states without end; empty if there are none."""
     if not changed:
         return ""
     first = changed[0]
@@ -173,7 +173,7 @@ def _cycling(model: Model, scene: Scene, changed: Sequence[_Node]) -> str:
 
 
 def _friction_used_up(model: Model, scene: Scene) -> str:
-    """Contacts that carry nearly all the friction that they can, while nothing else holds a body."""
+    """Report contacts that carry nearly all the friction that they can, if nothing else holds a body."""
     if model.integrator.inertia or not (closed := _closed(model)):
         return ""
     loose = loose_motions(cast("ImplicitModel", model), friction=False, least=SLOPE)
@@ -182,7 +182,7 @@ def _friction_used_up(model: Model, scene: Scene) -> str:
         return ""
     used = {pair: friction_share(contact.conditions, pair.first_slot, pair.slots) for pair in contact.pairs}
     at_limit = [
-        f"friction of {pair.name} carries {share:.1%} of what it can" for pair, share in used.items() if share > USED
+        f"friction of {pair.name} carries {share:.1%} of its limit" for pair, share in used.items() if share > USED
     ]
     if not at_limit:
         return ""
@@ -196,7 +196,7 @@ def _friction_used_up(model: Model, scene: Scene) -> str:
 
 
 def _tipping(model: Model, scene: Scene) -> str:
-    """A body that one contact alone keeps from turning, and whose weight has come to the end of that contact."""
+    """Report a body that only one contact keeps from turning, if its resultant has reached the end of that contact."""
     if model.integrator.inertia or model.contact is None:
         return ""
     turning = {body.name for body in model.bodies if MOTIONS[2] in free_motions(body, model.prescribed)}
@@ -208,7 +208,7 @@ def _tipping(model: Model, scene: Scene) -> str:
         share, end = _reserve(model, touched[0])
         if share < TIPPED:
             return (
-                f"{_place(model, scene, touched[0], end)}: body {name} tips: what presses it acts within {share:.1%} "
+                f"{_place(model, scene, touched[0], end)}: body {name} tips: the contact force acts within {share:.1%} "
                 "of the end of the contact, and nothing else holds it against turning: this is a limit load; try less "
                 "load, a wider contact, or a support"
             )
@@ -221,7 +221,7 @@ def _bodies(scene: Scene, pair: ContactPair) -> set[str]:
 
 
 def _reserve(model: Model, pair: ContactPair) -> tuple[float, Floats]:
-    """How far the pressure acts from the nearer end of where the sides meet, over its length, and where that end is."""
+    """Distance of the resultant from the nearer end of the contact, over the contact's length; position of that end."""
     from contactlab.kernels.contact.pair import FAR
 
     force = model.state["multipliers"][0, pair.own]
@@ -246,7 +246,7 @@ def friction_share(conditions: Conditions, first: int, count: int) -> float:
 
 
 def _unstable(model: Model, dt: float) -> str:
-    """A body whose stiffness has a negative eigenvalue: it buckles or snaps through."""
+    """Report a body whose stiffness has a negative eigenvalue: it buckles or snaps through."""
     if model.integrator.inertia:
         return ""
     for body in model.bodies:
@@ -255,14 +255,14 @@ def _unstable(model: Model, dt: float) -> str:
         middle = model.position[body.first : body.first + body.count].mean(axis=0)
         flows = ", or flows plastically at its limit load" if body.material.history_size else ""
         return (
-            f"body {body.name}, around {_coordinates(model, middle)}: its stiffness is no longer positive: it buckles "
-            f"or snaps through{flows}; try implicit-dynamics, which follows the jump, or a smaller load"
+            f"body {body.name}, around {_coordinates(model, middle)}: its stiffness is no longer positive definite: it "
+            f"buckles or snaps through{flows}; try implicit-dynamics, which follows the jump, or a smaller load"
         )
     return ""
 
 
 def _negative(model: Model, first: int, count: int, dt: float) -> bool:
-    """Whether the stiffness of a body, with its supports, has a negative pivot."""
+    """Return whether the stiffness of a body, with its supports, has a negative pivot."""
     from scipy.sparse import csc_matrix
     from scipy.sparse.linalg import splu
 

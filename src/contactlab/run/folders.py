@@ -30,18 +30,18 @@ OF_A_RUN = (
     "scene.toml", "summary.json", "history.csv", "iterations.csv", "contact.csv", "results.vtkhdf", "timeline.rrd",
     "last-steps", "crash.txt",
 )  # fmt: skip
-"""What a run writes into its folder."""
+"""Files that a run writes into its folder."""
 ATTEMPTS = "attempts"
-"""Where results of integrators lie that came short."""
+"""Folder for results of integrators that did not get through."""
 OF_A_BEGINNING = {"scene.toml", "history.csv", "summary.json"}
-"""What a run may leave that was killed before its first state was saved."""
+"""Files that a run may leave if it was killed before its first state was saved."""
 WRITTEN = {
     ".toml", ".json", ".csv", ".txt", ".html", ".svg", ".png", ".pdf", ".gif", ".mp4", ".tex", ".vtkhdf", ".rrd",
     ".sqlite", ".new", ".packed", ".journal",
 }  # fmt: skip
 """Endings of the files that results may consist of."""
 BESIDE = ("runs", "last-steps", "finest", "chosen", "contact.csv", "iterations.csv", "crash.txt", "summary.json.new")
-"""What may be written beside `RESULT_FILES`."""
+"""Files that may be written in addition to `RESULT_FILES`."""
 HEADER = b"step,time,"
 """How `history.csv` begins."""
 
@@ -50,7 +50,7 @@ HEADER = b"step,time,"
 def results_folder(out: Path | str | None, name: str, resume: bool = False) -> Iterator[Path]:
     """A folder to write results into: `out`, or the next free runs/NAME-NNN.
 
-    It is taken away again if it is still empty after an error. Raises RequestError where `out` has
+    It is removed again if it is still empty after an error. Raises RequestError if `out` has
     results (unless they are to be resumed) or cannot be a folder.
     """
     if out is not None and not str(out).strip():
@@ -91,7 +91,7 @@ def _plain(name: str) -> str:
 
 
 def claimed_folder(folder: Path) -> Path:
-    """`folder`, made if need be. Raises RequestError where it holds results."""
+    """Return `folder`, created if necessary. Raises RequestError if it holds results."""
     try:
         found = [name for name in RESULT_FILES if os.path.lexists(folder / name)]
         anew = set(found) <= OF_A_BEGINNING and _has_only_begun(folder)
@@ -106,17 +106,17 @@ def claimed_folder(folder: Path) -> Path:
             where=f"results folder {folder}",
             got=", ".join(found),
             allowed="a new or empty folder",
-            hint="name another folder, or add --resume to go on with what is there; without --out a fresh one under "
-            "runs/ is taken",
+            hint="name another folder, or add --resume to continue the run in it; without --out a new folder under "
+            "runs/ is created",
         )
     return made_folder(folder)
 
 
 def run_folder(out: Path | str | None, resume: bool) -> Path | None:
-    """The folder that a run writes to: a new or empty one, or with `resume` also that of an interrupted run."""
+    """Return the folder that a run writes to: new or empty, or with `resume` the folder of an interrupted run."""
     if out is None:
         if resume:
-            raise RequestError("a run can only be taken up in its folder", where="resume", allowed="a folder as out")
+            raise RequestError("a run can only be resumed in its folder", where="resume", allowed="a folder as out")
         return None
     folder = Path(out)
     if not resume:
@@ -126,10 +126,10 @@ def run_folder(out: Path | str | None, resume: bool) -> Path | None:
         return claimed_folder(folder)
     if over and not (folder / "results.vtkhdf").exists():
         raise RequestError(
-            "the folder holds no run that could be taken up",
+            "the folder holds no run that could be resumed",
             where=f"results folder {folder}",
             got=f"{over[0]} without results.vtkhdf",
-            hint="leave record.recorders away, or name vtkhdf there",
+            hint="omit record.recorders, or add vtkhdf to it",
         )
     return resumed_folder(folder)
 
@@ -150,16 +150,16 @@ def _refuse_links(folder: Path, names: Iterable[str]) -> None:
         path = folder / name
         if path.is_symlink():
             raise RequestError(
-                "a link stands where a result is to be written",
+                "a symbolic link has the name of a result file",
                 where=f"results folder {folder}",
                 got=f"{name} -> {path.readlink()}",
                 allowed="the file itself, or nothing",
-                hint="put the file in its place, remove the link, or name another folder",
+                hint="replace the link by the file, remove it, or name another folder",
             )
 
 
 def _has_only_begun(folder: Path) -> bool:
-    """Whether a run began here and ended before it saved a state: nothing is lost when it begins again.
+    """Return whether a run began here and ended before it saved a state: it can begin again without loss.
 
     Its history then has the initial state at most, and its summary (of a full disk, or by `crash_watch`) no steps.
     """
@@ -188,13 +188,13 @@ def full_disk_told(folder: Path, what: str) -> Iterator[None]:
         reason = (error.strerror or str(error)).lower()
         raise SimulationFailure(
             "failed",
-            f"{what} cannot be written to {folder}: {reason}; the runs that were stored are kept, and the same "
-            "command with --resume writes the rest when there is room",
+            f"{what} cannot be written to {folder}: {reason}; the runs stored so far are kept, and the same "
+            "command with --resume writes the rest when there is space",
         ) from error
 
 
 def made_folder(folder: Path) -> Path:
-    """`folder`, made if need be, whatever it holds. Raises RequestError where it cannot be a folder."""
+    """Return `folder`, created if necessary, whatever it holds. Raises RequestError if it cannot be a folder."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except (OSError, ValueError) as error:  # ValueError: NUL in the name

@@ -1,12 +1,12 @@
-"""What the length of load steps does to friction between surfaces that come to touch.
+"""Error of friction from the length of load steps, between surfaces that come into contact.
 
-A load step asks of a node that sticks at its end that it has not slipped since its start, also if it was still open
-there. What the surfaces moved along each other before they touched, delta, is then held by friction that has not acted
-yet. Nodes that slide forget it, nodes that stick keep it for good. Left out at the end, it would change forces by
+A load step requires of a node that sticks at its end that it has not slipped since its start, also if it was still open
+there. The slip of the surfaces before they touched, delta, is then held by friction that has not acted yet. Nodes that
+slide forget it, nodes that stick keep it for good. Left out at the end, it would change forces by
 
-    (K - F) du = N^T dy_n + T^T dy_t,    the rows of the enforcement with the slip ds - delta in place of ds
+    (K - F) du = N^T dy_n + T^T dy_t,    the rows of the enforcement with the slip ds - delta instead of ds
 
-(F: derivative of the contact forces at fixed multipliers). One factorisation at the end of the run tells by how much
+(F: derivative of the contact forces at fixed multipliers). One factorisation at the end of the run gives the change
 (docs/statics.md#friction-and-the-length-of-load-steps).
 
 Of surfaces that roll, nodes enter the contact in every step and leave it again: what the end has forgotten is known by
@@ -90,7 +90,7 @@ class FrictionError:
                 rolled[LAST] = rolled[STEPS]
 
     def _hold(self, touched: Ints, beside: Ints, closing: Floats, sticks: Flags) -> None:
-        """Slips before the touch: as the nearest node did that is `beside` and open, or each in the step before."""
+        """Set the slips before contact: of the nearest open node in `beside`, or of each node in the step before."""
         c, n = self.contact.conditions, self.numbers
         if len(beside):
             nearest = beside[np.abs(beside - touched[:, None]).argmin(axis=1)]
@@ -122,8 +122,8 @@ class FrictionError:
                 better = _better(key, now, share / HIGH)
                 yield RunWarning(
                     "friction-steps", share, HIGH, key,
-                    f"{pair.name}: surfaces closed within load steps, and what they slid before they touched is held "
-                    f"by friction as if they had touched from the start of the step on: the shear is off by about "
+                    f"{pair.name}: surfaces closed within load steps, and friction also acts on the slip before they "
+                    f"touched, from the start of the step: the error of the shear is about "
                     f"{share:.1%} (limit {HIGH:.0%}); write {key} = {better}",
                 )  # fmt: skip
 
@@ -134,13 +134,13 @@ class FrictionError:
                 yield RunWarning(
                     "friction-steps", share, PASSAGE, key,
                     f"{pair.name}: surfaces roll on each other, and a step exchanges {share:.0%} of the contact (limit "
-                    f"{PASSAGE:.0%}): nodes that enter it count slips of the whole step, and forces along the surface "
-                    f"and the work of friction are off by some per cent or more; write {key} = "
+                    f"{PASSAGE:.0%}): nodes that enter it count slips of the whole step, so tangential forces and the "
+                    f"work of friction have errors of some per cent or more; write {key} = "
                     f"{_better(key, now, share / PASSAGE)}",
                 )  # fmt: skip
 
     def _change(self) -> Floats:
-        """By how much tangential forces (k,) [N] would change if the slips before the touch were left out."""
+        """Return the change of the tangential forces (k,) [N] if the slips before contact were left out."""
         model, contact = self.model, self.contact
         c, out = contact.conditions, self._response()
         pressed = np.flatnonzero(c.present & (c.force[0] > 0.0)).astype(np.int32)

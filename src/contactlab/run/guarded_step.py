@@ -1,4 +1,4 @@
-"""Steps that iterate are judged at their end: one that a guard objects to is taken back and cut."""
+"""Steps that iterate are judged at their end: if a guard objects, the step is rejected and cut."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from contactlab.run.controlled_step import rejected
 from contactlab.run.guards import Guards
 from contactlab.run.watches import NoGuards
 
-ENERGY = "the bodies hold more energy at its end than work was done on them: stresses change too much in it"
+ENERGY = "the energy of the bodies exceeds the work done on them: stresses change too much in the step"
 MOST = 5  # times in a row that a step is cut for a guard: what 1/32 of it does not cure is no matter of its length
 
 
 class GuardedStep:
-    """Advances a model that can take steps back; the guards' last word is that of the run.
+    """Advances a model that can reject steps; the last objection of a guard ends the run.
 
-    What a step stores is compared with its work, unless it `skips` the way to its end.
+    The energy that a step stores is compared with its work, unless it `skips` the loading path.
     """
 
     def __init__(
@@ -29,7 +29,7 @@ class GuardedStep:
         self.objections, self.controlled = 0, model.integrator.control() is not None
 
     def __call__(self, dt: float) -> Step:
-        """One step of length dt [s], accepted only where positions at its end make sense."""
+        """Make one step of length dt [s], accepted only if the positions at its end make sense."""
         model, memory = self.model, self.guards.saved()
         start = model.state.snapshot()
         step = self.advance(dt)

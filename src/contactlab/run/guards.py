@@ -57,11 +57,11 @@ class Guards:
         self.contact.look()
 
     def step_made_energy(self) -> bool:
-        """Whether the step just made is too long for the energy: it is cut if it can be."""
+        """Return whether the last step is too long by its energy: it is cut if possible."""
         return self.energy.step_made_energy()
 
     def at_the_end(self) -> None:
-        """Check for the last time: energy that has not lasted long enough to stop a run is told, much more stops it."""
+        """Check for the last time: unexplained energy of short duration gives a warning, much more stops the run."""
         self.check()
         self.energy.check(last=True)
 
@@ -70,7 +70,7 @@ class Guards:
         judge(self.model, sample, self.contact.closed, largest_force)
 
     def saved(self) -> dict[str, Floats]:
-        """Everything that changes while the run goes on, as arrays of a checkpoint."""
+        """Everything that changes during the run, as arrays of a checkpoint."""
         contact, energy = self.contact, self.energy
         pushed = energy.pushed, energy.rate, energy.counted, energy.unexplained
         chatter = contact.flickering, contact.rattling, contact.largest

@@ -1,7 +1,7 @@
-"""`integrator = "auto"`: a run is begun anew with each integrator of the order until one gets through.
+"""`integrator = "auto"`: a run starts again with each integrator of the order until one gets through.
 
-Results of an attempt that came short go to the folder `attempts` of the run. If all come short, those that got furthest
-are the results of the run, and its reason names all.
+Results of an attempt that did not get through go to the folder `attempts` of the run. If none does, the results that
+got furthest are the results of the run, and its reason names all.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 SUMMARY = "summary.json"
 RunOne = Callable[["Scene", bool, Attempts], Results]
-"""Makes or, if told to resume, continues a run of a scene with one integrator."""
+"""Starts or resumes a run of a scene with one integrator."""
 
 
 class InOrder:
@@ -84,7 +84,7 @@ class InOrder:
         return None
 
     def _furthest(self) -> Results:
-        """The results of the attempt that got furthest, as those of the run. Raises the first error without any."""
+        """Return the results of the attempt that got furthest. Raises the first error if there are none."""
         tried, cost = self.attempts.tried, self.attempts.cost
         made = [number for number, attempt in enumerate(tried) if attempt.reached]
         if not made:
@@ -159,7 +159,7 @@ def _stored(folder: Path) -> Results | None:
 
 
 def _move(source: Path, target: Path, names: list[str]) -> None:
-    """Move files in this order: where `results.vtkhdf` is, a process that takes the place of a killed one goes on."""
+    """Move files in this order: a process that replaces a killed one continues where `results.vtkhdf` is."""
     for name in names:
         (source / name).rename(target / name)
 

@@ -49,7 +49,7 @@ def _repeat_if_dropped(dropped: Any) -> None:
 
 
 def _listen(handler: Callable[[int, FrameType | None], None]) -> dict[signal.Signals, Any]:
-    """Let `handler` have the signals that this process was not told to ignore; gives what had them before."""
+    """Let `handler` have the signals that this process does not ignore; return the handlers before."""
     if threading.current_thread() is not threading.main_thread():
         return {}
     heard = [number for number in SIGNALS if signal.getsignal(number) not in (signal.SIG_IGN, None)]
@@ -63,16 +63,16 @@ def interrupt_on_signals() -> None:
 
 
 def unanswered() -> bool:
-    """Whether a signal came that ended nothing: whoever it interrupted has dropped it. It is answered by that."""
+    """Return whether a signal came that ended nothing, as the code that it interrupted dropped it; clear it."""
     found = bool(_unanswered)
     _unanswered.clear()
     return found
 
 
 class Interruption:
-    """While it is entered, a signal ends a run: at once while it is built, by `stop` once that is known.
+    """Context in which a signal ends a run: immediately while it is built, by `stop` once that is known.
 
-    A second signal interrupts at once. Signals can be caught in the main thread alone; elsewhere they keep their
+    A second signal interrupts immediately. Signals can be caught in the main thread alone; elsewhere they keep their
     meaning. `name` is the name of the signal, empty if none came.
     """
 

@@ -19,7 +19,8 @@ IN_A_STEP = 6  # iterations of a step, for an estimate of what their states take
 
 
 def iterate_plan(model: Model, layout: Layout) -> IteratePlan | None:
-    """Which iterations are kept; None where there are none, or no room for any."""
+    """Return which iterations are kept; None if there are none, or no room for any."""
+
     return IteratePlan.of(layout, model.shown_conditions) if isinstance(model, ImplicitModel) else None
 
 

@@ -1,4 +1,4 @@
-"""What a run can see of itself when it is over: contacts that never closed, forces that do not agree, coarse facets."""
+"""Checks at the end of a run: contacts that never closed, forces that do not agree, coarse facets."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from contactlab.results.sample import Sample
 
 JUMP = 0.2  # of all work: a disc pressed a fifth of its radius in one load step has 0.05, other statics less than 0.02
-WRONG = 0.25  # of the contact force: the pressure is that of another one
+WRONG = 0.25  # of the contact force: the pressure belongs to another force
 FACETS = 0.05  # depth of facets over the approach: unlike meshes of a press fit then miss 2.5 % of its mean pressure
 FIT = 0.05  # segments: how far nodes of like meshes may have slid apart
 FEW_PAIRS = 250_000  # of points: comparing all takes some ms, importing a search tree a tenth of a second
@@ -42,7 +42,7 @@ def judge(model: Model, sample: Sample | None, closed: Flags, largest_force: flo
     """Add warnings to those of a finished run.
 
     sample  the last one; closed (k,)  multipliers that pressed at any time; largest_force  [N] of the run. Raises
-    SimulationFailure("not-converged") where a pressure belongs to another force than the one that acts.
+    SimulationFailure("not-converged") if the integral of a pressure is not the contact force.
     """
     if sample is None:
         return
@@ -72,7 +72,7 @@ def judge(model: Model, sample: Sample | None, closed: Flags, largest_force: flo
 
 
 def _jumps(model: Model, sample: Sample) -> Iterator[RunWarning]:
-    """Whether load steps of elastic bodies were too long to follow the path of equilibria: work is no stored energy."""
+    """Warn if load steps of elastic bodies were too long to follow the equilibrium path: work is not stored energy."""
     energies, elastic = sample.energies, not any(body.material.history_size for body in model.bodies)
     if model.integrator.inertia or not (elastic and model.way_followed):
         return
@@ -81,9 +81,9 @@ def _jumps(model: Model, sample: Sample) -> Iterator[RunWarning]:
     if scale > energy_of_strain(model, NO_STRAIN) and apart > JUMP * scale:
         yield RunWarning(
             "jump", apart / scale, JUMP, "integrator.steps",
-            f"load steps jumped: the work of the stresses over them and the energy that is stored differ by "
-            f"{apart / scale:.0%} of all work (limit {JUMP:.0%}), so that the end may be another equilibrium than the "
-            "one that the loads lead to; take three times as many integrator.steps, or implicit-dynamics",
+            f"load steps jumped: the work of the stresses over them and the stored energy differ by "
+            f"{apart / scale:.0%} of all work (limit {JUMP:.0%}), so the end may not be on the equilibrium path of the "
+            "loads; take three times as many integrator.steps, or implicit-dynamics",
         )  # fmt: skip
 
 
@@ -92,15 +92,15 @@ def _never_closed(model: Model, pair: ContactPair, report: ContactReport) -> Run
         return RunWarning(
             "open-contact", -report.max_penetration, 0.0, pair.name,
             f"{pair.name}: no force in any step, yet the {report.penetrating_side} lies up to "
-            f"{report.max_penetration:.4g} within the other side at the end: facets overlap where no condition of "
-            "the algorithm closes; try finer cells, or another algorithm",
+            f"{report.max_penetration:.4g} within the other side at the end: facets overlap where the algorithm has no "
+            "condition that closes; try finer cells, or another algorithm",
         )  # fmt: skip
     apart, _ = _nearest(model.position[pair.slave.nodes], model.position[pair.master.nodes])
     place = _place(model, model.position[pair.slave.nodes[apart.argmin()]])
     return RunWarning(
         "open-contact", float(apart.min()), 0.0, pair.name,
         f"{pair.name}: no force in any step; the nearest nodes of both sides are {apart.min():.4g} apart at the "
-        f"end, at {place}; check which way and how far supports and loads move the bodies, or take out "
+        f"end, at {place}; check the direction and size of displacements by supports and loads, or remove "
         "the contact",
     )  # fmt: skip
 
@@ -114,9 +114,8 @@ def _judge_pressure(name: str, share: float, step: int) -> None:
     if share > WRONG:
         raise SimulationFailure(
             "not-converged",
-            f"step {step}: {name}: the pressure over the slave adds up to a force that differs by {share:.0%} from "
-            f"the one that acts (allowed {WRONG:.0%}); try finer cells, the other side as slave (swap), or another "
-            "algorithm",
+            f"step {step}: {name}: integrated contact pressure and contact force differ by {share:.0%} (allowed "
+            f"{WRONG:.0%}); try finer cells, the other side as slave (swap), or another algorithm",
         )
 
 
@@ -134,13 +133,13 @@ def _judge_friction(model: Model, pair: ContactPair) -> None:
         raise SimulationFailure(
             "failed",
             f"step {model.state.step}: {pair.name}: friction is declared, and {parts} gave no tangential force in any "
-            f"of {pressed} pressed conditions; take the contact's key friction out, or use an enforcement and an "
-            "algorithm that deliver it",
+            f"of {pressed} pressed conditions; remove friction from the contact, or use an enforcement and an "
+            "algorithm that support it",
         )
 
 
 def _slips(model: Model, pair: ContactPair) -> Floats:
-    """Slips (k,) [mm] of the last step; 0 where an iteration cannot tell them from sticking."""
+    """Slips (k,) [mm] of the last step; 0 where an iteration cannot distinguish them from sticking."""
     conditions = getattr(model.contact, "conditions", None)
     if conditions is None:
         return slips_of(model)[pair.own]
@@ -152,9 +151,9 @@ def _slips(model: Model, pair: ContactPair) -> Floats:
 
 
 def _coarse_facets(model: Model, pair: ContactPair, curve: ContactCurve) -> Iterator[RunWarning]:
-    """How deep the facets of a curved pair are where it presses, against how far its surfaces came together there."""
+    """Warn if the facets of a curved pair are deep where it presses, compared with the approach of its surfaces."""
     if pair.start_distance is not None or pair.smooth is not None:
-        return  # what facets are deep by is no gap
+        return  # the depth of facets is not part of the gap
     chains = _chains(pair, curve)
     stretches = list(_stretches(curve, chains))
     if not stretches or _few_between_open_ones(curve, chains, stretches):
@@ -166,7 +165,7 @@ def _coarse_facets(model: Model, pair: ContactPair, curve: ContactCurve) -> Iter
     slave, master = pair.slave.nodes[pressed], pair.master.nodes
     nearest = _nearest(model.position[slave], model.position[master])[1]
     if _facets_fit(pair, model.position, np.concatenate(stretches)):
-        return  # facets of one side lie on those of the other, however deep
+        return  # facets of both sides coincide, however deep
     depth = max(
         float(_depths(pair, pair.slave, model.reference)[pressed].max()),
         float(_depths(pair, pair.master, model.reference)[nearest].max()),
@@ -186,14 +185,14 @@ def _coarse_facets(model: Model, pair: ContactPair, curve: ContactCurve) -> Iter
     yield RunWarning(
         "coarse-facets", depth, FACETS * approach, f"{pair.name}.smooth" if curves else "level",
         f"{pair.name}: the facets of its curved surfaces are {depth:.3g} deep where they press, from "
-        f"{_place(model, model.position[slave[0]])} on, and the surfaces came together by {approach:.3g} (limit "
-        f"{FACETS:.0%} of that): the pressure swings from node to node{low}; take {smooth}cells that are {finer} "
-        "times finer along both surfaces (level; from a mesh file, second-order cells or a finer mesh)",
+        f"{_place(model, model.position[slave[0]])} on, and the surfaces approached by {approach:.3g} (limit "
+        f"{FACETS:.0%} of the approach): the pressure oscillates from node to node{low}; take {smooth}cells that are "
+        f"{finer} times finer along both surfaces (level; from a mesh file, second-order cells or a finer mesh)",
     )  # fmt: skip
 
 
 def _depths(pair: ContactPair, side: Surface, reference: Floats) -> Floats:
-    """How far (m,) [mm] the curve of a side is from what gaps are measured to: facets, or parabolas of quadratic edges.
+    """Distance (m,) [mm] of a side's curve from its facets, or from its quadratic edges if gaps are measured to those.
 
     The parabola through the ends and the middle of an arc of radius R, 2h long, is h^4/(32 R^3) from it, the chords of
     its halves are h^2/(8 R).
@@ -204,12 +203,12 @@ def _depths(pair: ContactPair, side: Surface, reference: Floats) -> Floats:
 
 
 def _few_nodes(model: Model, pair: ContactPair, report: ContactReport) -> Iterator[RunWarning]:
-    """Whether enough nodes carry the peak of a pressure that falls to zero on both sides of it.
+    """Warn if too few nodes carry the peak of a pressure that falls to zero on both sides of it.
 
-    Multipliers and nodal forces over the length that is covered are two pressures of the same forces, which agree
-    where the mesh resolves the pressure; where multipliers are nodal pressures, as of dual ones, the mean over a hat
-    says how much the peak exceeds it: h^2/12 of the second derivative, h being the length of the segments beside it.
-    A peak at an edge or below an apex has no limit, and is left alone.
+    Multipliers and nodal forces over the overlap are two pressures of the same forces, which agree if the mesh resolves
+    the pressure; if multipliers are nodal pressures, as for dual multipliers, the mean over a hat function shows how
+    much the peak exceeds it: h^2/12 of the second derivative, h being the length of the adjacent segments.
+    A peak at an edge or below an apex has no limit, and is skipped.
     """
     curve = report.curve
     peak = int(curve.nodal_pressure.argmax())
@@ -229,7 +228,7 @@ def _few_nodes(model: Model, pair: ContactPair, report: ContactReport) -> Iterat
         return
     told = f"multipliers reach {highest:.4g}, nodal pressures {nodal:.4g}, {high:.0%} apart"
     if high <= PEAK:
-        told = f"nodal pressures, which reach {nodal:.4g}, are means over its segments, some {low:.0%} below it"
+        told = f"nodal pressures, up to {nodal:.4g}, are means over its segments, about {low:.0%} below it"
     place = _place(model, np.array([curve.x[peak], curve.y[peak]]))
     carried = "1 node carries" if len(pressed) == 1 else f"{len(pressed)} nodes carry"
     lean = _lean(model, pair, report.resultant, model.position[pair.slave.nodes[peak]])
@@ -237,7 +236,7 @@ def _few_nodes(model: Model, pair: ContactPair, report: ContactReport) -> Iterat
     yield RunWarning(
         "few-nodes", high if high > PEAK else low, PEAK, f"{pair.name}.slave",
         f"{pair.name}: {carried} the pressure around {place}, too few for its peak: {told} "
-        f"(limit {PEAK:.0%}); take cells of the slave half as long there",
+        f"(limit {PEAK:.0%}); halve the cells of the slave there",
     )  # fmt: skip
 
 
@@ -254,7 +253,7 @@ def _lean(model: Model, pair: ContactPair, force: Floats, place: Floats) -> floa
 
 
 def _kept_gaps(model: Model, pairs: list[ContactPair], stored: float) -> Iterator[RunWarning]:
-    """Whether pressed nodes stand off the curve of the other side or lie within it, and what that changes."""
+    """Warn if pressed nodes stand off the curve of the other side or lie within it, with the effect on forces."""
     from contactlab.run.kept_gap import HIGH, kept_gaps
 
     if any(pair.half for pair in pairs):
@@ -266,10 +265,10 @@ def _kept_gaps(model: Model, pairs: list[ContactPair], stored: float) -> Iterato
         told += [f"displacements are off by up to {one.moved:.1%} of the largest"] if one.moved > HIGH else []
         yield RunWarning(
             "kept-gap", abs(one.share) if abs(one.share) > HIGH else one.moved, HIGH, f"{one.pair.name}.slave",
-            f"{one.pair.name}: as gaps are those of facets and averaged over segments, pressed nodes are up to "
+            f"{one.pair.name}: gaps are measured to facets and averaged over segments, so pressed nodes are up to "
             f"{off} the curve of the other side, at {_place(model, model.position[one.node])}: "
-            f"{' and '.join(told)} (limit {HIGH:.0%}); take cells of both sides half as long there, which makes it "
-            "a quarter",
+            f"{' and '.join(told)} (limit {HIGH:.0%}); halve the cells of both sides there, which makes the error a "
+            "quarter",
         )  # fmt: skip
 
 
@@ -287,7 +286,7 @@ def _chains(pair: ContactPair, curve: ContactCurve) -> list[Ints]:
 
 
 def _few_between_open_ones(curve: ContactCurve, chains: list[Ints], stretches: list[Ints]) -> bool:
-    """Whether nowhere more than `FEW` nodes in a row are pressed, or fewer apart, and one is open beside those."""
+    """Return whether at most `FEW` nodes in a row are pressed everywhere, and the end of a stretch is open."""
     if any(len(stretch) > FEW for stretch in stretches):
         return False
     ends = [chain[[0, -1]] for chain in chains if (curve.nodal_pressure[chain] > 0.0).any()]
@@ -303,7 +302,7 @@ def _stretches(curve: ContactCurve, chains: list[Ints]) -> Iterator[Ints]:
 
 
 def _facets_fit(pair: ContactPair, position: Floats, nodes: Ints) -> bool:
-    """Whether each of the slave's `nodes` has a master node beside it, so that both sides have the same facets."""
+    """Return whether each of the slave's `nodes` lies opposite a master node, so that both sides have equal facets."""
     place = position[pair.slave.nodes[nodes]]
     nearest = _nearest(place, position[pair.master.nodes])[1]
     apart, normal = place - position[pair.master.nodes[nearest]], _normals(pair.slave, position)[nodes]
@@ -312,10 +311,9 @@ def _facets_fit(pair: ContactPair, position: Floats, nodes: Ints) -> bool:
 
 
 def _normals(surface: Surface, position: Floats) -> Floats:
-    """Unit normals (m, 2) of the nodes, of either sign: those of their segments, summed.
+    """Unit normals (m, 2) of the nodes, of either sign: the sum of the normals of their segments.
 
-    Not those of the pair, which belong to where nodes were expected in the last step: a run that is taken up at its end
-    has others.
+    Normals of the pair belong to positions that the last step expected, and differ in a run that is resumed at its end.
     """
     begin, end = (position[surface.nodes[surface.segments[:, k]]] for k in range(2))
     across = (end - begin)[:, ::-1] * [1.0, -1.0]

@@ -106,7 +106,7 @@ def _of_gaps(model: ImplicitModel, pair: ContactPair) -> _Distances:
 
 
 def _of_potential(model: ImplicitModel, pair: PotentialPair) -> _Distances:
-    """How far pushed nodes of both sides lie within the other curve, but for how far they lie within its facets."""
+    """Depth of pushed nodes of both sides within the other curve, less their depth within its facets."""
     apart = np.zeros(len(pair.nodes))
     pushed = pair.pushed.any(axis=1)
     of_slave = np.arange(len(apart)) < len(pair.slave.nodes)

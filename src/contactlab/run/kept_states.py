@@ -48,7 +48,7 @@ class KeptState:
                 pair.find_near(*near)
 
     def is_that_of(self, model: Model) -> bool:
-        """Whether a model is in this state, to the last bit."""
+        """Return whether a model is in this state, to the last bit."""
         return all(np.array_equal(model.state[name], field, equal_nan=True) for name, field in self.fields.items())
 
 
@@ -69,5 +69,5 @@ class KeptStates:
 
     @property
     def newest(self) -> KeptState | None:
-        """The state that was kept last; None where none was."""
+        """The state that was kept last; None if there is none."""
         return self.states[-1] if self.states else None

@@ -28,7 +28,7 @@ class KnownKernel(NamedTuple):
 
 
 def kernels_of(scene: Scene) -> Sequence[KnownKernel]:
-    """Those of the scene whose parts are most like its own, in the order of their first call; none if no part is."""
+    """Return kernels of the known scene with the most similar parts, in the order of their first call; may be empty."""
     own = used_parts(scene)
     likeness = {parts: len(own & parts) / len(own | parts) for parts in _known()}
     best = max(likeness, key=lambda parts: (likeness[parts], len(_known()[parts])), default=frozenset[str]())
@@ -36,7 +36,7 @@ def kernels_of(scene: Scene) -> Sequence[KnownKernel]:
 
 
 def surely_called(scene: Scene) -> Sequence[KnownKernel]:
-    """Those of the largest known scene whose parts are all used here, too: hardly any of them is called in vain."""
+    """Return kernels of the largest known scene whose parts are all used here too: nearly all of them are needed."""
     own = used_parts(scene)
     return max((kernels for parts, kernels in _known().items() if parts <= own), key=len, default=())
 

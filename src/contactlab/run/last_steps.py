@@ -1,7 +1,7 @@
 """The steps before a failure, or before the first warning of a guard, with all of their fields.
 
-Explicit runs pay nothing for it while they go well: states are kept now and then, and the steps behind them are
-repeated in a model built anew, which gives the same bits. Implicit steps take long enough to look at each of them.
+Explicit runs have no overhead while they go well: states are kept at intervals, and the steps after them are
+repeated in a new model, which gives the same bits. Implicit steps take long enough to store each of them.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ MEMORY = 128.0  # MB that the frames of the last steps may take before they are 
 
 
 def length_of(record: Record, layout: Layout) -> int:
-    """How many steps a scene wants whole and its budget has room for; 0: none."""
+    """Number of steps that a scene stores with all fields and its budget has room for; 0: none."""
     from contactlab.results.grid_file import frame_bytes
 
     wanted = LENGTH if record.last is None else record.last
@@ -67,19 +67,19 @@ class LastSteps:
 
     @property
     def states(self) -> int:
-        """How many states an explicit run must keep."""
+        """Number of states that an explicit run must keep."""
         return 1 + -(-self.length // EVERY)
 
     @property
     def every_step(self) -> tuple[Callable[[Step, float], None], ...]:
-        """What to call after each accepted step: nothing in explicit runs."""
+        """Callbacks after each accepted step: none in explicit runs."""
         return () if self.model.explicit else (self._seen,)
 
     def _seen(self, step: Step, dt: float) -> None:
         self.frames.append(self._frame(self.model, step))
 
     def judged(self, journal: Journal, kept: KeptStates) -> None:
-        """Warnings since the last look are none of a guard: they come from a frame, or from the end."""
+        """Skip warnings since the last look, which come from a frame or from the end of the run, not from a guard."""
         if self.all_warnings:
             self.listen(journal, kept)
         elif self.known is not None:
@@ -89,16 +89,16 @@ class LastSteps:
         """Store the steps before the first warning that came since the last look."""
         if self.known is None or len(self.model.warnings) == self.known:
             return
-        # before the first step there are none to store: the next warning then is the first
+        # before the first step there is nothing to store: the next warning then is the first
         self.known = None if self.store(WARNING, journal, kept) else len(self.model.warnings)
 
     def begin(self, folder: Path) -> None:
-        """The run begins in its folder, or goes on there: what it stored before an earlier failure is none any more."""
+        """Begin or resume the run in its folder: remove what it stored before an earlier failure."""
         drop_last_steps(folder, FAILURE)
         self.known = None if has_last_steps(folder, WARNING) else len(self.model.warnings)
 
     def store(self, end: str, journal: Journal, kept: KeptStates) -> bool:
-        """Hand on the frames of the last steps up to the present one; False where there are none."""
+        """Hand on the frames of the last steps up to the present step; False if there are none."""
         frames = self._repeated(journal, kept) if self.model.explicit else list(self.frames)
         if frames:
             journal.last_steps(end, [replace(frame, number=k) for k, frame in enumerate(frames)])
@@ -124,7 +124,7 @@ class LastSteps:
                 frames.append(self._frame(model, step))
                 number = model.state.step
                 if number in later and not later[number].is_that_of(model):
-                    journal.tell("info", f"the steps up to step {number} did not come out again as they were")
+                    journal.tell("info", f"the repeated steps up to step {number} differ from the original steps")
                     return []
         except Exception:
             pass  # what stopped the run, most likely: the steps before it are there

@@ -1,4 +1,4 @@
-"""How far the loading of a static run has come, so that load steps can be of equal size."""
+"""Progress of the loading of a static run, so that load steps can be of equal size."""
 
 from __future__ import annotations
 
@@ -29,21 +29,21 @@ class LoadPath:
     """Fraction of the loading (0 to 1) as a function of time, and back.
 
     Between two times the loading advances by the largest change of any prescribed displacement, over the range
-    of that displacement, of any load, over the largest one, or of what is left of overlaps that are pushed out.
-    Inertia plays no part in statics: what counts for the accuracy of a step is how much is loaded in it, not how
-    long it takes. Laws that depend on rate are the exception: time then counts as much as load.
+    of that displacement, of any load, over the largest load, or of what is left of overlaps that are pushed out.
+    Inertia plays no part in statics: the accuracy of a step depends on its load increment, not on its duration.
+    Laws that depend on rate are the exception: time then counts as much as load.
 
-    Where the loading turns a corner a step must end: what is reached there depends on the path (friction, flow).
+    A step must end where the loading turns a corner: the state there depends on the path (friction, flow).
 
     parameter
-             what steps are equal parts of, in words
+             quantity that steps are equal parts of, in words
     length   of the loading, a way from end to end of a value counting 1
     """
 
     def __init__(self, model: Model, scene: Scene, swings: list[Swing]) -> None:
         end = model.timing.last
         rated = rate_dependent(model)
-        self.parameter = f"loading and time: the law of {', '.join(rated)} depends on rate" if rated else "loading"
+        self.parameter = f"loading and time: material of {', '.join(rated)} is rate-dependent" if rated else "loading"
         self.corners = corners(scene, model.timing, swings)
         self.times: Floats = np.linspace(0.0, end, SAMPLES + 1)
         share = np.full(SAMPLES, 1.0 / SAMPLES)
@@ -61,7 +61,7 @@ class LoadPath:
         self.fractions /= self.length
 
     def fraction(self, time: float) -> float:
-        """How much of the loading is done at a time [s]."""
+        """Fraction of the loading that is done at a time [s]."""
         return float(np.interp(time, self.times, self.fractions))
 
     def time(self, fraction: float) -> float:
@@ -99,7 +99,7 @@ class TimePath:
         self.fractions = steps / steps[-1]
 
     def fraction(self, time: float) -> float:
-        """How much of all steps is done at a time [s]."""
+        """Fraction of all steps that is done at a time [s]."""
         even = time >= self.end or not len(self.times)
         return time / self.end if even else float(np.interp(time, self.times, self.fractions))
 

@@ -27,7 +27,7 @@ CUT, GROW = 0.5, 2.0  # of the step that failed, after one that converged easily
 FLOWING = 0.3, 1.5  # the same of bodies that flow: their steps start from the last one, and are best like it
 EASY = 8  # iterations of a step after which a longer one is tried
 SHORTEST = 2.0**-12  # of the wished step: below it the run is given up
-LONGEST = 0.999  # of the loading in one step that follows its error: the whole at once is no step of a path
+LONGEST = 0.999  # of the loading in one step that follows its error: the whole load is not a step of a path
 MOST = 1e6  # steps of a run: more is a step that was meant for an explicit one
 SAME = 1e-6  # relative: residuals of two attempts that differ by less are the same
 EACH_WAY = 2.0  # times the steps of a load, for each way of one that goes to and fro: friction work is right to 2 %
@@ -43,8 +43,8 @@ class LoadSchedule(Schedule):
 
     Without inertia steps end where the loading turns a corner, and are equal parts of it (`LoadPath`) unless the scene
     fixes their length; otherwise of time. `wished` and `part` are the wished and the present step as fractions of the
-    whole. Where the end does not depend on the loading path and the integrator nests, steps go from corner to corner at
-    once (`part` is 1), until one of them fails.
+    whole. If the end does not depend on the loading path and the integrator nests, each step goes from corner to corner
+    (`part` is 1), until one of them fails.
     """
 
     def _first_step(self) -> float:
@@ -92,18 +92,22 @@ class LoadSchedule(Schedule):
         timing, most = self.timing, f"at most {MOST:.0f} steps in a run"
         if self.fixed is not None:
             key, got, allowed = "time.step", self.fixed, f"at least {timing.last / MOST:.3g}"
-            hint = "leave it out: implicit integrators say by `steps` how many they take, and find their length"
+            hint = "omit it: `steps` of implicit integrators gives the number of steps, which sets their length"
         elif integrator.fixes_steps():
             key, got, allowed, hint = "integrator.steps", integrator.wished_steps(), most, "write fewer"
         else:
             key, got, allowed = timing.because or "time.ramp", timing.last, most
-            hint = "take it faster or leave it out, or write statics (newton), which take load increments"
+            hint = "make it faster or omit it, or use statics (newton), which take load increments"
         return SceneError(
-            f"steps this short would be {number:.0f}", where=self.scene.where(key), got=got, allowed=allowed, hint=hint
+            f"this length needs {number:.0f} steps",
+            where=self.scene.where(key),
+            got=got,
+            allowed=allowed,
+            hint=hint,
         )
 
     def _too_coarse(self) -> Iterator[RunWarning]:
-        """Warnings before the first step; `verdict` has those of load steps, which end where the loading turns."""
+        """Warnings before the first step; `verdict` warns of load steps, which end where the loading turns."""
         yield from frame_warnings(self.swings, self.frame_every, self.scene.record.frames)
         if self.model.integrator.inertia:
             yield from self._few_steps()
@@ -120,26 +124,26 @@ class LoadSchedule(Schedule):
 
     @property
     def every_step(self) -> tuple[Callable[[Step, float], None], ...]:
-        """What to call after each accepted step, with the step and its length."""
+        """Callbacks after each accepted step, with the step and its length."""
         return (self._took,)
 
     @property
     def parameter(self) -> str:
-        """What steps are equal parts of, in words."""
+        """Quantity that steps are equal parts of, in words."""
         return f"{self.path.parameter}, from corner to corner" if self.skips else self.path.parameter
 
     @property
     def skips(self) -> bool:
-        """Whether steps go from corner to corner of the loading: nothing between them is asked for."""
+        """Return whether steps go from corner to corner of the loading: no state between them is needed."""
         return self.part >= 1.0 > self.wished
 
     def follow_the_way(self) -> None:
-        """Take load steps from here on: the end cannot be found at once."""
+        """Take load steps from here on: the end cannot be found in one step."""
         self.part = min(self.part, self.wished)
         self.dt = self._length()
 
     def estimated_steps(self) -> int:
-        """Those that the scene wishes, leg by leg of the loading."""
+        """Number of steps that the scene wishes, leg by leg of the loading."""
         if self.timing.end is None:
             return super().estimated_steps()
         time, count = 0.0, 0
@@ -184,7 +188,7 @@ class LoadSchedule(Schedule):
             self.part = self._ratio(step) * (self.path.fraction(time + tried) - self.path.fraction(time))
             self.dt = self._length()
             if self.part < SHORTEST_CONTROLLED * self.wished:
-                raise self._failure(tried, step, f"{self.part / self.wished:.1e} of the wished one")
+                raise self._failure(tried, step, f"{self.part / self.wished:.1e} of the load increment")
             return f"a step of {tried:.6g} from time {time:.6g} was rejected: {step.reason}; {self.dt:.6g} is tried"
         # of the step that was taken, which a corner of the loading may have made shorter than it might have been
         if self.skips:
@@ -196,14 +200,14 @@ class LoadSchedule(Schedule):
                 if not self.stabilised.plain_instead():
                     raise SimulationFailure("not-converged", f"{plain.reason}; {step.reason}")
                 self._begin_anew()
-                return f"a stabilised step of {tried:.6g} from time {time:.6g} failed; a plain one is tried"
+                return f"stabilised step of {tried:.6g} from time {time:.6g} failed; retry without stabilisation"
         elif how := self._in_vain(step):
             failure = self._failure(tried, step, how)
             if not cast(ImplicitIntegrator, self.model.integrator).stabilises():
                 raise failure
             self.stabilised.choose(failure)
             self._begin_anew()
-            return f"{failure.reason}; a stabilised step of {self.dt:.6g} is tried"
+            return f"{failure.reason}; retry with a stabilised step of {self.dt:.6g}"
         self.failed, self.dt = step, self._length()
         loose = ""
         if before is None:
@@ -211,17 +215,17 @@ class LoadSchedule(Schedule):
 
             loose = f"; {nothing_holds(self.model).partition(';')[0]}".rstrip("; ")
         return (
-            f"a step of {tried:.6g} from time {time:.6g} was taken back after {step.iterations} iterations: "
-            f"{step.reason}{loose}; {self.dt:.6g} is tried"
+            f"step of {tried:.6g} from time {time:.6g} rejected after {step.iterations} iterations: "
+            f"{step.reason}{loose}; retry with {self.dt:.6g}"
         )
 
     def _in_vain(self, step: Step) -> str:
-        """How a step failed that no shorter one can replace; empty while there is hope."""
+        """Say how a step failed that no shorter step can replace; empty if a shorter step may converge."""
         if self.failed is not None and repeats(self.failed, step):
-            return "as the longer one before it, iteration by iteration"
+            return "with the same iterations as the longer step before"
         shortest = AGAIN if self.stabilised.count else SHORTEST
         if self.part < shortest * self.wished:
-            return f"1/{self.cut_to * self.wished / self.part:.0f} of the wished one"
+            return f"1/{self.cut_to * self.wished / self.part:.0f} of the load increment"
         return ""
 
     def _begin_anew(self) -> None:
@@ -237,18 +241,18 @@ class LoadSchedule(Schedule):
         of = "time" if self.model.integrator.inertia else "load"
         done = f"stopped at {100.0 * self.share(self.state.time):.4g} % of the {of}, after step {self.state.step}"
         why = nothing_holds(self.model) or cause_of_failure(self.model, self.scene, step.trace, tried)
-        attempt = f"a step of {tried:.3g} from time {self.state.time:.6g} failed, {how}: {step.reason}"
+        attempt = f"step of {tried:.3g} from time {self.state.time:.6g} failed, {how}: {step.reason}"
         return SimulationFailure("not-converged", f"{done}, {why} ({attempt})")
 
     def share(self, time: float) -> float:
-        """How much of the loading is done at a time [s], 0 to 1; where the end is open, of its ramp."""
+        """Fraction of the loading that is done at a time [s], 0 to 1; of its ramp if the end is open."""
         return min(1.0, self.path.fraction(time))
 
     def adapt(self) -> None:
         """Do nothing: only its convergence limits an implicit step."""
 
     def _contact(self) -> ImplicitContactSystem | None:
-        """The contact of statics, whose multipliers come free by and by where steps had to be cut."""
+        """The contact of statics, whose multipliers are released gradually if steps had to be cut."""
         if self.model.integrator.inertia:
             return None
         return cast("ImplicitContactSystem | None", self.model.contact)
@@ -263,7 +267,7 @@ class LoadSchedule(Schedule):
         time, pace = self.state.time, min(1.0, self.part / self.wished)
         if self.timing.end is None:
             self._release(pace)
-            # the step of a run that has no end to meet; those of the hold are short enough to judge it by
+            # the step of a run without a fixed end; steps of the hold are short enough to judge it by
             even = self.path.time(self.part)
             if time < self.timing.last * (1.0 - NEARLY):
                 return even if not self.swings else self.path.time(self.path.fraction(time) + self.part) - time
@@ -282,7 +286,7 @@ class LoadSchedule(Schedule):
         return self.path.time(done + (rest / number if number <= 2 else part)) - time
 
     def _turned(self, time: float) -> bool:
-        """Whether a value that goes to and fro begins or turns at a time, in statics that remember the path."""
+        """Return whether an alternating value begins or turns at a time, in statics that depend on the path."""
         if not self.each_way or not self.model.history or self.skips:
             return False
         near = NEARLY * self.timing.last
@@ -301,7 +305,7 @@ class LoadSchedule(Schedule):
         return self.stabilised.summary()
 
     def verdict(self) -> None:
-        """As every run's; warns of what depends on the way of jumps, and on steps that are long or few beside it."""
+        """Judge as every run; warn of results that depend on the path of jumps, and of steps that are long or few."""
         super().verdict()
         key = "integrator.steps" if self.fixed is None else "time.step"
         if self.friction_error is not None:
@@ -313,7 +317,7 @@ class LoadSchedule(Schedule):
         self.model.warnings.add(*self.stabilised.warnings())
 
     def saved(self) -> dict[str, Floats]:
-        """Everything that changes while the run goes on."""
+        """Everything that changes during the run."""
         own = {"schedule.load": np.array([self.part, self.model.way_followed, *self.stabilised.saved()])}
         if (contact := self._contact()) is not None:
             own["schedule.freedom"] = np.append(contact.freedom, contact.pace)
@@ -340,9 +344,9 @@ class LoadSchedule(Schedule):
 
 
 def repeats(before: Step, step: Step) -> bool:
-    """Whether an attempt left the same residuals as the one `before` it, which was longer: length is not the matter."""
+    """Return whether an attempt left the same residuals as the longer one `before` it: length is not the cause."""
     if not step.trace and not before.trace:
-        # integrators need not tell their iterations: words are the same then, whatever their numbers
+        # integrators need not report their iterations: words are the same then, whatever their numbers
         return NUMBER.sub("", step.reason) == NUMBER.sub("", before.reason) != ""
     if len(before.trace) != len(step.trace):
         return False

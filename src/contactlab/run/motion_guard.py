@@ -42,7 +42,7 @@ class MotionGuard:
                     "diverged",
                     f"step {state.step}: {node_name(self.model, int(bad[0]))} has the {name.replace('_', ' ')} "
                     f"({values[bad[0], 0]:g}, {values[bad[0], 1]:g}), the first of {len(bad)} nodes where it is not "
-                    f"finite; {sudden_motion(self.model) or f'try {self.shorter}, and look at the material there'}",
+                    f"finite; {sudden_motion(self.model) or f'try {self.shorter}, and check the material there'}",
                 )
 
     def check_speed(self) -> None:
@@ -51,7 +51,7 @@ class MotionGuard:
             return
         velocity = self.model.state["velocity"]
         speed = np.hypot(*velocity.T)
-        # what supports and rigid surfaces are told to do goes in
+        # prescribed motions of supports and rigid surfaces count
         told = float(np.abs(velocity.ravel()[self.driven]).max(initial=0.0))
         self.input_speed = max(self.input_speed, told)
         limit = max(10.0 * self.input_speed, self.wave_speed)
@@ -59,9 +59,9 @@ class MotionGuard:
         if not speed[worst] <= limit:
             stop(
                 self.model,
-                f"{node_name(self.model, worst)} moves at {speed[worst]:.3g}, above {limit:.3g} (ten times the fastest "
-                "that goes in, or the speed of sound)",
-                f"the step is too long or contact pushes without limit: try {self.shorter}",
+                f"{node_name(self.model, worst)} moves at {speed[worst]:.3g} (limit {limit:.3g}, ten times the fastest "
+                "input, or the speed of sound)",
+                f"the step is too long or contact forces are unbounded: try {self.shorter}",
             )
 
     def check_cells(self) -> None:
@@ -75,7 +75,7 @@ class MotionGuard:
                     undeformed = smallest_jacobian(self.model.reference, own, derivatives[point : point + 1])[0]
                     stop(
                         self.model,
-                        f"cell {begin + cell} of body {forces.body.name} is folded over, det F = "
+                        f"cell {begin + cell} of body {forces.body.name} is inverted, det F = "
                         f"{jacobian / undeformed:.3g}",
                         "try a finer mesh there, a slower load or the other side as slave",
                     )

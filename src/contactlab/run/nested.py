@@ -31,7 +31,7 @@ Found = dict[float, tuple[Floats, Floats]]
 
 @dataclass(frozen=True)
 class CoarseLevel:
-    """What one coarser level took; `reason` says why it gave nothing, if it did not."""
+    """Cost of one coarser level; `reason` says why it was not solved, empty if it was."""
 
     level: int
     nodes: int
@@ -42,7 +42,7 @@ class CoarseLevel:
 
     def __str__(self) -> str:
         if self.reason:
-            return f"level {self.level} was tried first and not solved: {self.reason}"
+            return f"level {self.level} was tried first, not solved: {self.reason}"
         return f"level {self.level} solved first: load steps {self.steps}, iterations {self.iterations}"
 
 
@@ -56,11 +56,11 @@ def coarser_levels(level: int) -> list[int]:
 
 
 class NestedStart:
-    """Solves a scene on coarser levels, and tells the model of the finest one where it will end.
+    """Solves a scene on coarser levels, and gives the estimated end to the model of the finest level.
 
-    levels   what each of them took, so far
-    solved   whether the last of them was: the model's end is then like its end
-    stopped  asked between steps: whether to give up
+    levels   cost of each of them, so far
+    solved   whether the last of them was solved: the model's end is then like its end
+    stopped  called between steps: whether to give up
     """
 
     def __init__(self, scene: Scene, registry: Registry, model: ImplicitModel, stopped: Callable[[], bool]) -> None:
@@ -70,7 +70,7 @@ class NestedStart:
         self.integrator = model.integrator.for_coarser_levels() or model.integrator
 
     def prepare(self) -> None:
-        """Fill the model's estimates; they stay empty where the last coarser level found none."""
+        """Fill the model's estimates; they stay empty if the last coarser level found none."""
         coarse, found = None, Found()
         for level in coarser_levels(self.scene.level):
             began = process_time()
@@ -109,7 +109,7 @@ def _hand_over(coarse: ImplicitModel | None, found: Found, fine: ImplicitModel) 
 def _solved(model: ImplicitModel, scene: Scene, stopped: Callable[[], bool]) -> tuple[Found, int, int]:
     """States where the loading ends or turns, and the steps and iterations that they took.
 
-    Raises SimulationFailure where there is no way to the end.
+    Raises SimulationFailure if the end is not reached.
     """
     schedule = LoadSchedule(model, scene)
     advance = model.bound_integrator().step

@@ -1,4 +1,4 @@
-"""What a run needs before its first step: its parts put together, its files opened, or the run that was saved there."""
+"""Preparation of a run before its first step: build its parts, open its files, or restore the run saved there."""
 
 from __future__ import annotations
 
@@ -41,11 +41,11 @@ def prepare_run(
     watching: Watching | None = None,
     attempts: Attempts | None = None,
 ) -> Run:
-    """A run of `model`, whose recorders write to `folder`; with `resume` the one that is saved there.
+    """A run of `model`, whose recorders write to `folder`; with `resume` the run that is saved there.
 
     attempts  with other integrators before, of a scene that leaves the choice to the run
 
-    Raises RequestError where the folder cannot be used or holds something else.
+    Raises RequestError if the folder cannot be used or holds something else.
     """
     run = Run(model, schedule_of(model, scene), Guards(model, scene.time.step), EffectMonitor(scene, model), watching)
     if attempts is not None:
@@ -120,7 +120,7 @@ def _keep_last_steps(run: Run, scene: Scene, registry: Registry, folder: Path) -
 
 
 def _take_up(run: Run, layout: Layout, folder: Path) -> Results | None:
-    """Bring the run to where the one in the folder was saved, and give that back; None where nothing was."""
+    """Restore the run that is saved in the folder, and return its results; None if nothing is saved."""
     saved = saved_run(folder)
     if saved is None:
         return None

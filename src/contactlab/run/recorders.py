@@ -1,4 +1,4 @@
-"""Which recorders a run has, and opening them."""
+"""The recorders of a run, and opening them."""
 
 from __future__ import annotations
 
@@ -39,13 +39,13 @@ def default_recorders(registry: Registry) -> list[str]:
 
 
 def at_work(recorders: Mapping[str, Recorder]) -> dict[str, Recorder]:
-    """Those that record during a run. Where results are stored, files to look at are made of them later."""
+    """Return recorders that work during a run. If results are stored, files for viewing are made of them later."""
     stored = any(recorder.stores_results for recorder in recorders.values())
     return {name: recorder for name, recorder in recorders.items() if not (stored and recorder.shown_file)}
 
 
 def when_over(recorders: Mapping[str, Recorder]) -> dict[str, Recorder]:
-    """Those that record what is stored when a run is over; the rest of the others do when somebody looks."""
+    """Return recorders that work on stored results when a run ends; the rest do so when their file is opened."""
     working = at_work(recorders)
     return {name: r for name, r in recorders.items() if name not in working and not r.on_view}
 
@@ -59,7 +59,7 @@ def check_disk_space(
     record: float,
     where: Location,
 ) -> None:
-    """Raise SceneError where the files of a run will not fit on the disk, beside what of them is there already.
+    """Raise SceneError if the files of a run will not fit on the disk, in addition to what is there already.
 
     memory, record  bytes that a restart needs, and of the contact record and of states after iterations
     """
@@ -69,7 +69,7 @@ def check_disk_space(
     free = shutil.disk_usage(folder).free
     if wanted - there > free:
         raise SceneError(
-            "this needs more room on the disk than is free",
+            "not enough free disk space",
             where=where,
             got=f"{layout.frames} frames of {len(layout.nodes)} nodes, {steps} steps: about {in_words(wanted)}",
             allowed=f"what fits into {in_words(free + there)} in {folder}",
@@ -80,10 +80,10 @@ def check_disk_space(
 def open_recordings(
     recorders: Mapping[str, Recorder], folder: Path, layout: Layout, past: Any = None
 ) -> dict[str, Recording]:
-    """The recordings of a run in `folder`; of an interrupted run `past` they go on.
+    """The recordings of a run in `folder`; of an interrupted run `past` they are continued.
 
-    A recorder that works later is only asked whether it can; what it made of the run before is removed.
-    Raises RequestError where the folder cannot be written or a recorder cannot begin.
+    A recorder that works later is only checked; what it made of the run before is removed.
+    Raises RequestError if the folder cannot be written or a recorder cannot begin.
     """
     opened: dict[str, Recording] = {}
     working = at_work(recorders)
@@ -103,7 +103,7 @@ def open_recordings(
             raise RequestError(
                 f"the recorder {name} cannot begin: {one_line(error)}",
                 where="record.recorders",
-                hint="name other recorders, or mend this one",
+                hint="name other recorders, or repair this recorder",
             ) from error
     return opened
 
@@ -115,10 +115,10 @@ def record_stored(recorders: Mapping[str, Recorder], folder: Path, run: Results)
             record_again(recorder, folder, run)
         except OSError as error:
             place = folder if error.filename is None else error.filename
-            text = f"{name} cannot write to {place}: {(error.strerror or str(error)).lower()}; the results are whole"
+            text = f"{name} cannot write to {place}: {(error.strerror or str(error)).lower()}; the results are complete"
             warnings.warn(text, ContactlabWarning, stacklevel=3)
         except (Exception, SystemExit) as error:
-            text = f"the recorder {name} failed: {one_line(error)}; the results are whole"
+            text = f"the recorder {name} failed: {one_line(error)}; the results are complete"
             warnings.warn(text, ContactlabWarning, stacklevel=3)
 
 

@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 
 
 def finished_results(folder: Path, scene: Scene) -> Results | None:
-    """The results in `folder` if there is nothing left to do, None if the run can go on or has not begun.
+    """The results in `folder` if there is nothing left to do, None if the run can be resumed or has not begun.
 
-    Raises RequestError where the folder holds another scene, or a file that cannot be read.
+    Raises RequestError if the folder holds another scene, or a file that cannot be read.
     """
     saved = saved_run(folder)
     if saved is None:
@@ -47,7 +47,7 @@ def finished_results(folder: Path, scene: Scene) -> Results | None:
 
 
 def saved_run(folder: Path) -> tuple[Results, Checkpoint] | None:
-    """The run in `folder` up to its last checkpoint, None where there is none."""
+    """The run in `folder` up to its last checkpoint, None if there is no checkpoint."""
     if not (folder / FILE).is_file():
         return None
     from contactlab.results.load import load_checkpoint
@@ -72,7 +72,7 @@ def differences_to(text: str, scene: Scene) -> list[str]:
 
 
 def refuse_other_scene(text: str, scene: Scene, folder: Path) -> None:
-    """Raise RequestError unless the stored scene is this one: a run goes on with the scene it began with."""
+    """Raise RequestError unless the stored scene is this scene: a run is resumed with the scene it began with."""
     if differences := differences_to(text, scene):
         raise RequestError(
             "the folder holds a run of another scene",
@@ -92,20 +92,20 @@ def _differences(old: Any, new: Any, key: str = "") -> list[str]:
 
 
 def check_memory(saved: Mapping[str, np.ndarray], present: Mapping[str, np.ndarray], folder: Path) -> None:
-    """Raise RequestError where the saved arrays are not those of the present model."""
+    """Raise RequestError if the saved arrays do not fit the present model."""
     shapes = {name: array.shape for name, array in present.items()}
     for name, shape in shapes.items():
         if name not in saved or saved[name].shape != shape:
             raise RequestError(
-                "the saved state does not fit the model that this scene gives now",
+                "the saved state does not fit the model of this scene",
                 where=str(folder / FILE),
                 got=f"{name} {saved[name].shape if name in saved else 'missing'}, needed {shape}",
-                hint="use the versions that the run began with (summary.json lists them), or start again",
+                hint="use the versions that the run started with (see summary.json), or start again",
             )
 
 
 def changed_versions(layout: Layout, present: Layout) -> list[str]:
-    """What is not as it was when the run began; bits may then differ."""
+    """Return versions that changed since the run began; results may then differ in their last digits."""
     names = dict.fromkeys([*layout.versions, *present.versions])
     return [
         f"{name} {layout.versions.get(name, 'absent')} is now {present.versions.get(name, 'absent')}"

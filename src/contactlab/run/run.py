@@ -1,4 +1,4 @@
-"""One run: a model with all that watches it, begun anew or taken up where it was saved."""
+"""One run: a model with its guards, watches and recorders, new or restored from a checkpoint."""
 
 from __future__ import annotations
 
@@ -42,12 +42,12 @@ SAVE_SHARE = 100.0  # and so many times what one costs: saving never takes more 
 ENDS = ("finished", "diverged", "not-converged")  # runs that cannot go on: what is saved is their end
 FAILED = ("diverged", "not-converged", "failed")  # runs whose last steps one wants to see
 OF_THE_LAST_STEP = ("reactions", "reaction_mismatch", "contacts", "balance", "invariants")  # of a summary
-KILLED = "the run ended without a word (killed, or still going on)"
+KILLED = "the run ended without a message (killed, or still running)"
 
 
 @dataclass
 class Run:
-    """What the loop works with. `memory` is all of it that changes in time."""
+    """State of the step loop. `memory` is the part of it that changes in time."""
 
     model: Model
     schedule: Schedule
@@ -72,7 +72,7 @@ class Run:
     when_over: Mapping[str, Recorder] = field(default_factory=dict)
 
     def store_start(self) -> None:
-        """Store the initial state, unless this is a run taken up again; from here on it is not over any more."""
+        """Store the initial state, unless the run is resumed; from here on its results are not final."""
         if not self.journal.frames:
             for attempt in self.attempts.tried if self.attempts is not None else ():
                 self.journal.tell("info", f"tried before: {attempt.brief}")
@@ -84,12 +84,12 @@ class Run:
         self.save()
 
     def solve_coarser_levels(self) -> None:
-        """Where the end lies, for a scene that skips the way; a fine mesh that knows nothing of it follows the way."""
+        """Estimate the end on coarser meshes if steps skip the loading path; follow the path without an estimate."""
         nested = self.nested
         if nested is None or not self.schedule.skips or self.schedule.done():
             return
         nested.prepare()
-        known = {event.text for event in self.journal.events}  # of a run that is taken up before its first step
+        known = {event.text for event in self.journal.events}  # of a run that is resumed before its first step
         for level in nested.levels:
             if str(level) not in known:
                 self.journal.tell("warning" if level.reason else "info", str(level))
@@ -97,7 +97,7 @@ class Run:
             self.schedule.follow_the_way()
 
     def guarded(self, integrator: BoundIntegrator) -> Callable[[float], Step]:
-        """The function that makes one step; steps that can be taken back are judged by the guards, too."""
+        """The function that makes one step; steps that can be rejected are judged by the guards, too."""
         if self.model.explicit:
             if self.schedule.control is None:
                 return integrator.step
@@ -110,12 +110,12 @@ class Run:
 
     @property
     def every_step(self) -> tuple[Callable[[Step, float], None], ...]:
-        """What to call after each accepted step, with the step and its length."""
+        """Callbacks after each accepted step, with the step and its length."""
         more = self.watching.every_step if self.watching is not None else ()
         limit = (self.work_limit,) if self.work_limit is not None else ()
         last = self.last_steps.every_step if self.last_steps is not None else ()
         split = split_of(self.model)
-        booked = (split.sample,) if split is not None else ()  # first: what follows looks at it
+        booked = (split.sample,) if split is not None else ()  # first: the others read it
         kept = (lambda step, dt: self.keep(),) if self.schedule.control is not None else ()  # each has its own length
         others = (*self.schedule.every_step, *self.monitor.every_step, *kept, *more, *limit)
         return (*booked, *self.journal.every_step, *last, *others)
@@ -135,13 +135,13 @@ class Run:
         self.attempt = 1 if done else self.attempt + 1
 
     def taken_back(self, step: Step) -> None:
-        """Go on with a shorter step. Raises SimulationFailure where there is none."""
+        """Continue with a shorter step after a rejected step. Raises SimulationFailure if there is none."""
         self.counts.iterations += step.iterations
         if self.work_limit is not None:
             self.work_limit.check()
         self.journal.tell("warning" if step.error is None and step.longest is None else "info", self.schedule.cut(step))
         if self.schedule.control is not None:
-            self.keep()  # the next step from here is shorter than the one that was kept with this state
+            self.keep()  # the next step from here is shorter than the step that was kept with this state
         if self.nested is not None:
             self.nested.model.estimates = ()
 
@@ -166,7 +166,7 @@ class Run:
         self._judge_stability()
         if self.attempts is not None:
             self.model.warnings.add(*self.attempts.warnings(self.model))
-        # conditions made again differ in their last digits from those of the step, of which the saved warnings speak
+        # conditions computed again differ in their last digits from the step's conditions, which saved warnings cite
         self.model.warnings.keep(known)
 
     def _judge_stability(self) -> None:
@@ -183,14 +183,14 @@ class Run:
         self.model.warnings.add(*unstable(cast("ImplicitModel", self.model)))
 
     def _look_again(self) -> None:
-        """Sample a run that was taken up at its very last frame."""
+        """Sample a run that was resumed at its very last frame."""
         if self.journal.last is None and self.journal.frames:
             row = self.journal.rows[-1]
             share = self.schedule.fraction()
             self.journal.last = take_sample(self.model, self.journal.frames - 1, row["sweeps"], share)
 
     def conclude(self) -> None:
-        """Verdicts on a run whose time is over. Raises SimulationFailure where its answer is none."""
+        """Judge a run that has reached its end. Raises SimulationFailure if its answer is invalid."""
         self.guards.at_the_end()
         self.schedule.adapt()
         self.listen()
@@ -243,17 +243,17 @@ class Run:
         return 1, self.save_now_and_then if self.model.integrator.inertia else self.save
 
     def pause(self, why: str) -> str:
-        """Save the state of a run that is stopped; the reason for its summary.
+        """Save the state of a run that is stopped; return the reason for its summary.
 
-        After the last step what the step left beside the state is still there to be judged, and is not later;
-        a run that fails there fails when it is taken up.
+        After the last step data that the step left outside the state can still be judged, but not later;
+        a run that fails there fails when it is resumed.
         """
         if self.schedule.at_its_end():
             with suppress(SimulationFailure):
                 self.conclude()
             self.tell_warnings()
         self.save()
-        kept = "its state is saved" if self.journal.restartable else "nothing was written to take it up again"
+        kept = "its state is saved" if self.journal.restartable else "nothing was written to resume it"
         return f"{why} after step {self.model.state.step}; {kept}"
 
     def saved(self) -> dict[str, Floats]:
@@ -270,7 +270,7 @@ class Run:
         return self.schedule, self.guards, self.counts, self.monitor, *(p for p in (*more, *recorded) if p is not None)
 
     def restore(self, checkpoint: Checkpoint, folder: Path) -> None:
-        """Back to a checkpoint. Raises RequestError where it is not one of this model."""
+        """Restore a checkpoint. Raises RequestError if it does not fit this model."""
         check_memory(checkpoint.memory, self.saved(), folder)
         self.saved_memory = checkpoint.memory
         restore_model(self.model, checkpoint.memory)
@@ -300,7 +300,7 @@ class Run:
             summary["resolved"]["integrator"] = self.attempts.resolved(self.schedule.scene.integrator["use"])
             summary["cost"]["failed_attempts_s"] = self.attempts.cpu_s
         if self.counts.steps == self.first_step:
-            # taken up and not stepped yet: what a step leaves in the model beside the state is not there
+            # resumed and not stepped yet: data that a step leaves in the model outside the state is missing
             summary |= {name: self.taken_up[name] for name in OF_THE_LAST_STEP if name in self.taken_up}
         if self.nested is not None and self.nested.levels:
             summary["nested"] = self.nested.summary()

@@ -69,11 +69,11 @@ class Schedule:
         stable = self.model.step_within(1.0)
         if self.fixed > ROUND_OFF * stable:
             raise SceneError(
-                "the fixed step is longer than the stable one, and the run would diverge",
+                "the fixed step is longer than the stable step, and the run would diverge",
                 where=self.scene.where("time.step"),
                 got=self.fixed,
                 allowed=f"at most {stable:.6g} [s], set by {self._smallest()}",
-                hint="leave it out: steps are time.fraction of the stable one then, as that changes",
+                hint="omit it: the step is then time.fraction of the current stable step",
             )
         return float(self.fixed)
 
@@ -92,15 +92,15 @@ class Schedule:
             if self.dt > ROUND_OFF * stable:
                 self.model.warnings.add(RunWarning(
                     "fixed-step", self.dt, stable, "time.step",
-                    f"the fixed step {self.dt:.4g} s is {self.dt / stable:.3g} times the stable one, which fell to "
-                    f"{stable:.4g} s by {self._smallest()}; leave time.step out, steps follow the stable one then",
+                    f"the fixed step {self.dt:.4g} s is {self.dt / stable:.3g} times the stable step, which fell to "
+                    f"{stable:.4g} s by {self._smallest()}; omit time.step, steps follow the stable step then",
                 ))  # fmt: skip
             return
         safe = self.model.step_within(self.fraction_of_limit)
         if not safe >= SHORTEST * self.first:  # NaN where positions are
             stop(
                 self.model,
-                f"the stable step fell to {safe:.3g} s, {safe / self.first:.1e} of the first one, by "
+                f"the stable step fell to {safe:.3g} s, {safe / self.first:.1e} of the first step, by "
                 f"{self._smallest()}",
                 "cells are collapsing: try a finer mesh where strain is large",
             )
@@ -112,7 +112,7 @@ class Schedule:
 
     @property
     def parameter(self) -> str:
-        """What steps are equal parts of, in words."""
+        """Quantity that steps are equal parts of, in words."""
         return "time"
 
     def estimated_steps(self) -> int:
@@ -121,7 +121,7 @@ class Schedule:
         return max(1, round((timing.last if timing.end is not None else timing.last + timing.period) / self.first))
 
     def _smallest(self) -> str:
-        """Name what sets the stable step: a cell, and effects where they shorten it by a tenth or more."""
+        """Name the cause of the stable step: a cell, and effects if they shorten it by a tenth or more."""
         limit = min(self.model.step_limits, key=lambda limit: limit.latest)
         cell = f"cell {limit.cell} of body {limit.body.name}"
         rates = self.model.loading.rates, self.model.rates(limit.latest)
@@ -132,7 +132,7 @@ class Schedule:
 
     @property
     def every_step(self) -> tuple[Callable[[Step, float], None], ...]:
-        """What to call after each accepted step, with the step and its length."""
+        """Callbacks after each accepted step, with the step and its length."""
         springs = self.model.contact is not None and not self.model.contact.enforcement.exact
         controlled = (self._follow_error,) if self.control is not None else ()
         return (*controlled, self._follow) if springs else controlled
@@ -173,7 +173,7 @@ class Schedule:
             if self.aimed < SHORTEST_CONTROLLED * self.longest:
                 raise SimulationFailure(
                     "not-converged", f"step {self.state.step}: {step.reason} with a step of {tried:.3g} s, "
-                    f"{tried / self.longest:.1e} of the stable one; try a larger tolerance",
+                    f"{tried / self.longest:.1e} of the stable step; try a larger tolerance",
                 )  # fmt: skip
             start = f"a step of {tried:.6g} from time {self.state.time:.6g}"
             return f"{start} was rejected: {step.reason}; {self.dt:.6g} is tried"
@@ -185,18 +185,18 @@ class Schedule:
 
     @property
     def skips(self) -> bool:
-        """Whether steps skip the way between the corners of the loading."""
+        """Return whether steps skip the path between the corners of the loading."""
         return False
 
     def follow_the_way(self) -> None:
         """Skip nothing from here on."""
 
     def stopped(self) -> bool:
-        """Whether `stop` was called."""
+        """Return whether `stop` was called."""
         return self.limit == -np.inf
 
     def frame_due(self) -> bool:
-        """Whether the state just reached is to be stored: now and then, and at the end of the run."""
+        """Return whether to store the state just reached: at intervals, and at the end of the run."""
         if due := self._interval_over() or self._over(self.end):
             self._look()
         return due
@@ -219,11 +219,11 @@ class Schedule:
         return True
 
     def done(self) -> bool:
-        """Whether the run has reached its end, or was stopped."""
+        """Return whether the run has reached its end, or was stopped."""
         return self._over(self.limit)
 
     def at_its_end(self) -> bool:
-        """Whether the last step has been made; asking changes nothing."""
+        """Return whether the last step has been made, without side effects."""
         return self.settled or self._reached(self.end)
 
     def _reached(self, limit: float) -> bool:
@@ -251,15 +251,15 @@ class Schedule:
         return max(m for m, _ in self.samples), max(k for _, k in self.samples)
 
     def fraction(self) -> float:
-        """How much of the run is done, 0 to 1."""
+        """Fraction of the run that is done, 0 to 1."""
         return self.share(self.state.time)
 
     def share(self, time: float) -> float:
-        """How much of the run is done at a time [s], 0 to 1; a run that waits to settle counts what it declares."""
+        """Fraction of the run that is done at a time [s], 0 to 1; of its declared time if it waits to settle."""
         return min(1.0, time / self.timing.last)
 
     def reached(self) -> dict[str, Any]:
-        """Where the run is: time [s], and the share of the loading (statics) or of time that is done."""
+        """Progress of the run: time [s], and the share of the loading (statics) or of time that is done."""
         time = self.state.time
         of = "time" if self.model.integrator.inertia else "load"
         return {"time": time, "share": self.share(time), "of": of}
@@ -269,7 +269,7 @@ class Schedule:
         return {}
 
     def saved(self) -> dict[str, Floats]:
-        """Everything that changes while the run goes on."""
+        """Everything that changes during the run."""
         samples = np.full((SAMPLES + 1, 2), np.nan)
         samples[: len(self.samples)] = list(self.samples) or np.zeros((0, 2))
         numbers = (
@@ -303,6 +303,6 @@ class Schedule:
             "not-converged",
             f"the run did not settle within {self.timing.hold:.3g} s after the loading: over the last period reactions "
             f"differ by {mismatch:.1e} (allowed {SETTLED_MISMATCH:.0e}) and kinetic energy is {kinetic:.1e} of "
-            f"internal (allowed {SETTLED_KINETIC:.0e}); contact that opens and closes for ever does this, or try a "
+            f"internal (allowed {SETTLED_KINETIC:.0e}); likely cause: contact that keeps opening and closing; try a "
             "longer time.ramp",
         )

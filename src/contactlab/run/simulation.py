@@ -50,7 +50,7 @@ if TYPE_CHECKING:
 MOST = 52  # steps that are repeated: from one look at the model to the next, and what a fault takes to be seen
 
 OURS = (ArithmeticError, LookupError, ValueError, TypeError, AttributeError, ContactlabError)
-"""What a wrong array ends in; anything else that no part raised is a mistake of the core and is shown as one."""
+"""Errors that a wrong array ends in; any other error that no part raised is shown as a bug of the core."""
 
 NOTHING_WATCHED: Mapping[str, Watch] = {}
 
@@ -76,7 +76,7 @@ def simulate(
     """Run a scene (a `Scene`, a bundled name or a TOML file) and return its results.
 
     `out` is the folder for files, none are written without it. With `resume` an interrupted run in `out`
-    goes on where it was saved, one that is over is read back, and an empty folder is begun.
+    continues where it was saved, a finished run is read back, and a run starts in an empty folder.
     `watch` are watches by name, whose findings are `Results.watched`. `work` is the number of steps and iterations
     after which the run ends as "timed-out". Without `guards` nothing stops a run whose numbers go wild. `announce` is
     called with the run before its first step.
@@ -125,7 +125,7 @@ class _Simulation:
     signal: str = ""
 
     def interrupted(self) -> bool:
-        """Whether a signal ended a run."""
+        """Return whether a signal ended a run."""
         return bool(self.signal)
 
     def run(self, scene: Scene, resume: bool, attempts: Attempts | None = None) -> Results:
@@ -188,7 +188,7 @@ def _guarded(run: Run, registry: Registry, interruption: Interruption, progress:
         if not run.counts.steps:
             raise
         return "failed", f"step {run.model.state.step}: {one_line(failure, name=False)}"
-    except WrongAnswer as failure:  # it names the part; the line is that of whoever asked
+    except WrongAnswer as failure:  # it names the part; the line is the caller's
         seen = f"step {run.model.state.step}: {failure}"
         return "failed", wrong_answer(run) or seen
     except (Exception, SystemExit) as failure:
@@ -222,9 +222,9 @@ def _advance(run: Run, progress: Progress | None) -> None:
 
 
 def wrong_answer(run: Run) -> str:
-    """Step, part and method of the first answer that is not finite since the state that was kept; empty if none is.
+    """Step, part and method of the first answer since the kept state that is not finite; empty if all are finite.
 
-    The run is over: its state afterwards is that of the step at fault, or as it was.
+    Called after a run: its state afterwards is the state of the step at fault, or unchanged.
     """
     kept = run.kept.newest
     if kept is None:
@@ -241,12 +241,12 @@ def wrong_answer(run: Run) -> str:
         except WrongAnswer as found:
             return f"step {number}: {found}"
         except Exception:
-            return ""  # no part's answer is to blame: what stopped the run in the first place is told
+            return ""  # no part's answer is to blame: report what stopped the run in the first place
     return ""
 
 
 def steps(run: Run, integrator: BoundIntegrator) -> Iterator[Step]:
-    """Accepted steps until the run is over, each counted, guarded and sampled; failed ones are tried again, shorter."""
+    """Yield accepted steps until the run ends, each counted, guarded and sampled; retry failed steps with a cut."""
     schedule, guards, counts, every_step = run.schedule, run.guards, run.counts, run.every_step
     advance = run.guarded(integrator)
     while not schedule.done():

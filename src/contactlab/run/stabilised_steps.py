@@ -44,7 +44,7 @@ class StabilisedSteps:
         return int(self.numbers[IN_A_ROW])
 
     def choose(self, replaces: SimulationFailure | None) -> None:
-        """Let the next step be stabilised in place of one that failed, or plain."""
+        """Let the next step be stabilised, to replace a failed step, or plain."""
         self.replaces, self.numbers[BEFORE] = replaces, self.dissipation()
         self.model.stabilised = replaces is not None
 
@@ -73,7 +73,7 @@ class StabilisedSteps:
         return float(self.model.state["work"][WORK.index("slip")]) + flow
 
     def dissipates_little(self) -> bool:
-        """Whether the end hardly depends on the way that led to it."""
+        """Return whether the end hardly depends on the path that led to it."""
         return self.dissipation() <= LITTLE * float(np.abs(self.model.state["work"]).max())
 
     def summary(self) -> dict[str, float]:
@@ -90,20 +90,21 @@ class StabilisedSteps:
         if self.count and jumped > MUCH * total and not self.dissipates_little():
             yield RunWarning(
                 "stabilised", jumped / total, MUCH, "integrator.steps",
-                f"{jumped / total:.1%} of what friction and plastic flow dissipate fell in {self.count} stabilised "
-                f"load steps (limit {MUCH:.0%}): bodies jumped there, along a way that viscous forces gave them, and "
-                "what depends on it is not exact; take more integrator.steps, or implicit-dynamics, which follows the "
-                "jump",
+                f"{jumped / total:.1%} of the dissipation by friction and plastic flow is from {self.count} stabilised "
+                f"load steps (limit {MUCH:.0%}): bodies jumped there along a path set by viscous forces, and results "
+                "that depend on the path are not exact; take more integrator.steps, or implicit-dynamics, which "
+                "follows the jump",
+
             )  # fmt: skip
 
     def saved(self) -> Floats:
-        """What changes while the run goes on, (5,)."""
+        """Numbers that change during the run, (5,)."""
         self.numbers[NEXT] = self.replaces is not None
         return self.numbers.copy()
 
     def restore(self, numbers: Floats) -> None:
         """Go back to where `numbers` were saved."""
         self.numbers[:] = numbers
-        # a stabilised step that fails in a row is tried plainly: this reason is never told
+        # a stabilised step that fails again is tried without stabilisation: this reason is never shown
         self.replaces = SimulationFailure("not-converged", "stabilised before") if numbers[NEXT] else None
         self.model.stabilised = self.replaces is not None

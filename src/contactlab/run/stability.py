@@ -1,4 +1,4 @@
-"""Whether the equilibrium that statics found is one that bodies would stay in.
+"""Stability of the equilibrium that statics found.
 
 An equilibrium is stable if its tangent has positive eigenvalues on the motions that supports and closed contacts leave.
 With a row for each closed condition the matrix [[K, -C^T], [-H, -B]], B the softness of pressure laws and 0 otherwise,
@@ -23,8 +23,8 @@ from contactlab.api.arrays import Flags
 if TYPE_CHECKING:
     from contactlab.model.implicit_model import ImplicitModel
 
-SINGULAR = 1e-9  # of a matrix whose entries are of size 1: the sign of a smaller pivot is that of round-off
-SYMMETRIC = 1e-9  # alike: pivots of a matrix that is less so tell the parity only
+SINGULAR = 1e-9  # of a matrix whose entries are of size 1: the sign of a smaller pivot is round-off
+SYMMETRIC = 1e-9  # alike: pivots of a less symmetric matrix give the parity only
 SPARE, ITERATIONS = 4, 20  # motions more than sought, so that those sought converge by a factor of ten in each
 HELD = 1e-4  # of a row of conditions: less of it on free nodes is how the length of a segment changes, not a gap
 NEUTRAL = 1e-3  # facets leave 2e-4 with five pressed nodes; a column 0.3 % above its buckling load has as much
@@ -49,19 +49,19 @@ def unstable(model: ImplicitModel, mesh: str = "") -> Iterator[RunWarning]:
     if leaving:
         yield RunWarning(
             "unstable-equilibrium", float(leaving), 0.0, "integrator",
-            f"the equilibrium at the end{mesh} is not stable: bodies would leave it by buckling or snapping, and its "
-            "forces are those of no experiment; give the bodies a small imperfection (a load or a support that leans) "
-            "and write integrator.steps, or take implicit-dynamics",
+            f"the equilibrium at the end{mesh} is unstable: bodies would leave it by buckling or snap-through, and its "
+            "forces cannot be measured; give the bodies a small imperfection (a load or a support that leans) "
+            "and set integrator.steps, or use implicit-dynamics",
         )  # fmt: skip
 
 
 def unstable_motions(model: ImplicitModel) -> int:
-    """Independent motions that lead away from the equilibrium, at least; 0 where it is stable, or nothing can be said.
+    """Independent motions that lead away from the equilibrium, at least; 0 if it is stable, or unknown.
 
-    With friction and follower loads the matrix is not symmetric: an odd number of them is told as 1, an even one as 0.
-    Nodes that friction holds or lets slide count as held: what is told is then unstable all the more without it.
-    What only the turning of contact normals makes unstable is not told: at each corner of a rigid polygon that presses
-    a node is one, however smooth the surface that it stands for.
+    With friction and follower loads the matrix is not symmetric: an odd number is returned as 1, an even number as 0.
+    Nodes that friction holds or lets slide count as held: a motion found is then unstable all the more without it.
+    Motions that only the turning of contact normals makes unstable do not count: each corner of a rigid polygon that
+    presses a node has one, however smooth the surface that it stands for.
     """
     if len(np.unique(model.prescribed.dof)) == model.reference.size:
         return 0  # nothing is free to move
@@ -77,10 +77,10 @@ def unstable_motions(model: ImplicitModel) -> int:
 
 
 def _neutral_motions(model: ImplicitModel, equations: Linearised, leaving: int) -> int:
-    """How many of the `leaving` motions only facets make unstable, as where round bodies roll between smooth plates.
+    """Count the `leaving` motions that only facets make unstable, such as round bodies rolling between smooth plates.
 
-    Found by inverse iteration on a subspace. A motion u is neutral if its stiffness is small beside that of forces
-    that turn with it, sum(p) |u|^2 / L, L the size of what moves, |u|^2 the mean over its nodes.
+    Found by inverse iteration on a subspace. A motion u is neutral if its stiffness is small compared with the
+    stiffness of forces that turn with it, sum(p) |u|^2 / L, L the size of what moves, |u|^2 the mean over its nodes.
     """
     assert model.contact is not None
     free = int(np.count_nonzero(equations.free))
@@ -106,7 +106,7 @@ def _neutral_motions(model: ImplicitModel, equations: Linearised, leaving: int) 
 
 
 def _negative_directions(equations: Linearised) -> int:
-    """Negative pivots beyond the conditions; by their parity where the matrix is not symmetric."""
+    """Negative pivots beyond the conditions; by their parity if the matrix is not symmetric."""
     matrix, conditions = _scaled(equations.matrix), len(equations.conditions)
     try:
         factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=1e-3, options={"SymmetricMode": True})
@@ -123,12 +123,12 @@ def _negative_directions(equations: Linearised) -> int:
 
 
 def linearised(model: ImplicitModel, normals_turn: bool = True) -> Linearised:
-    """The equations at the present state; without `normals_turn` those of contact normals that stay as they are."""
+    """The equations at the present state; without `normals_turn` for contact normals that stay as they are."""
     free = np.ones(model.reference.size, bool)
     free[model.prescribed.dof] = False
     contact = model.contact
     if contact is not None and contact.conditions.force[0].any() and not contact.conditions.present.any():
-        contact.evaluate(model.position)  # a run that was taken up at its end has made no step
+        contact.evaluate(model.position)  # a run that was resumed at its end has made no step
     stiffness = model.stiffness(model.state["clock"][2])
     model.add_load_stiffness(model.state.time, stiffness, 1.0, 0.0)
     if contact is None:

@@ -1,4 +1,4 @@
-"""What a watch sees of a run: the state after a step, read-only."""
+"""Read-only view of a run for watches: the state after a step."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class ModelView:
-    """What a watch may see of a model between two steps. Implements `contactlab.api.StepView`."""
+    """Read-only view of a model between two steps. Implements `contactlab.api.StepView`."""
 
     def __init__(self, model: Model) -> None:
         self._model, self._state = model, model.state

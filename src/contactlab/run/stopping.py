@@ -1,4 +1,4 @@
-"""Why a run is stopped, in words: the step, the place, and what to try."""
+"""Messages about why a run is stopped: the step, the place, and what to try."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def stop(model: Model, what: str, hint: str, status: str = "diverged") -> NoRetu
 
 
 def sudden_motion(model: Model) -> str:
-    """What to do about a displacement that is there from the first explicit step on; "" where there is none."""
+    """Return advice against a displacement that jumps in the first explicit step; "" if there is none."""
     if not model.explicit or not len(model.prescribed.dof):
         return ""
     prescribed = model.prescribed
@@ -32,7 +32,7 @@ def sudden_motion(model: Model) -> str:
     on = next(support.on for support in model.loading.supports if node in support.nodes)
     key = ("ux", "uy")[component]
     return (
-        f"{on} is displaced by {jump[worst]:.4g} in the first step, in which a wave gets {travelled:.2g} far: try a "
+        f"{on} is displaced by {jump[worst]:.4g} in the first step, in which a wave travels {travelled:.2g}: try a "
         f'ramp, {key} = {{ ramp = "parabola", to = {jump[worst]:.4g} }}'
     )
 
@@ -47,7 +47,7 @@ def node_name(model: Model, node: int) -> str:
 
 
 def shorter_steps(explicit: bool, step: float | None) -> str:
-    """What makes the steps of a run shorter, in words; `step` [s] is the length that its scene fixes, if it does."""
+    """Return advice that makes steps shorter; `step` [s] is the length that the scene fixes, if it does."""
     if step is not None:
         return "a smaller time.step"
     return "a smaller time.fraction" if explicit else "more integrator.steps"

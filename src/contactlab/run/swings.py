@@ -138,8 +138,8 @@ def step_warnings(
             better = f"{0.99 * now / times:.3g}" if key == "time.step" else f"{math.ceil(now * times)}"
             yield RunWarning(
                 "coarse-steps", found, needed, key,
-                f"{swing.key} goes to and fro, {way:.3g} s each way, and {key} = {now:.6g} makes {found:.2g} steps of "
-                f"a way (at least {needed}): what happens on it is missed; write {key} = {better}, or leave it out",
+                f"{swing.key} alternates, {way:.3g} s each way, and {key} = {now:.6g} gives {found:.2g} steps each way "
+                f"(at least {needed}), too few to follow it; write {key} = {better}, or omit it",
             )  # fmt: skip
 
 
@@ -149,7 +149,7 @@ def frame_warnings(swings: list[Swing], every: float, frames: int) -> Iterator[R
         if frames >= CURVE and (found := swing.shortest / every) < SEEN * (1.0 - ALIKE):
             yield RunWarning(
                 "coarse-frames", found, SEEN, "record.frames",
-                f"{swing.key} goes to and fro, {swing.shortest:.3g} s each way, and record.frames = {frames} stores "
-                f"{found:.2g} frames of a way (at least {SEEN}): curves of the history show something else; write "
+                f"{swing.key} alternates, {swing.shortest:.3g} s each way, and record.frames = {frames} stores "
+                f"{found:.2g} frames each way (at least {SEEN}): curves of the history are aliased; write "
                 f"record.frames = {math.ceil(frames * SEEN / found)}",
             )  # fmt: skip

@@ -1,4 +1,4 @@
-"""The watches of one run, the limit of its work, and what stands in for guards where there are none."""
+"""The watches of one run, the limit of its work, and a substitute for guards if there are none."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ class Watching:
         for name, watch in self.watches.items():
             if not isinstance(watch, Watch):
                 allowed = "objects derived from contactlab.api.Watch"
-                raise RequestError("this is no watch", where=f"watch.{name}", got=watch, allowed=allowed)
+                raise RequestError("not a watch", where=f"watch.{name}", got=watch, allowed=allowed)
             try:
                 found = watch.begin(self.view)
             except LookupError as error:
-                reason = f"the watch {name} asks for something that the scene does not have: {error}"
+                reason = f"the watch {name} needs something that the scene does not have: {error}"
                 raise RequestError(reason, where="watch") from error
             self.memories[name] = {key: np.array(values, np.float64) for key, values in found.items()}
 
     @property
     def every_step(self) -> tuple[Callable[[Step, float], None], ...]:
-        """What to call after each accepted step."""
+        """Callbacks after each accepted step."""
         return (self._call_watches,)
 
     def _call_watches(self, step: Step, dt: float) -> None:
@@ -42,7 +42,7 @@ class Watching:
             watch.step(self.view, self.memories[name])
 
     def saved(self) -> dict[str, Floats]:
-        """Everything that changes while the run goes on."""
+        """Everything that changes during the run."""
         return {f"watch.{name}.{key}": a for name, own in self.memories.items() for key, a in own.items()}
 
     def restore(self, memory: Mapping[str, Floats]) -> None:
@@ -69,12 +69,12 @@ class WorkLimit:
         self.check()
 
     def check(self) -> None:
-        """Raise SimulationFailure("timed-out") where there were too many."""
+        """Raise SimulationFailure("timed-out") if there were too many."""
         if self.counts.steps + self.counts.iterations > self.most:
             raise SimulationFailure(
                 "timed-out",
-                f"stopped after {self.counts.steps} steps with {self.counts.iterations} iterations, of which "
-                f"{self.most:.0f} are allowed in all",
+                f"stopped after {self.counts.steps} steps with {self.counts.iterations} iterations (limit "
+                f"{self.most:.0f} in all)",
             )
 
 

@@ -109,7 +109,7 @@ def test_a_disk_that_is_too_small_is_told_before_the_run(tmp_path: Any, monkeypa
     )  # fmt: skip
     disk = SimpleNamespace(free=0)
     monkeypatch.setattr(recorders.shutil, "disk_usage", lambda folder: disk)
-    with pytest.raises(RequestError, match="more room on the disk than is free") as error:
+    with pytest.raises(RequestError, match="not enough free disk space") as error:
         simulate(scene, tmp_path / "run")
     assert "record.frames" in str(error.value)
     assert "0 GiB" in str(error.value.allowed)
