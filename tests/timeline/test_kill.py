@@ -327,7 +327,7 @@ def test_a_disk_that_is_full_at_the_very_end_is_told_once(
     assert results.status == json.loads((folder / "summary.json").read_text())["status"] == "failed"
     assert results.summary["steps"] == whole.summary["steps"]
     assert results.reason.count(f"vtkhdf cannot write to {folder}") == 1
-    assert "can be resumed when there is room" in results.reason
+    assert "can be resumed when there is space" in results.reason
     resumed = simulate(scene, folder, resume=True)
     assert resumed.status == "finished"
     assert_same_run(whole, resumed)

@@ -1,1 +1,1 @@
-"""What a scene calls for and what it costs, before it is run."""
+"""Effects and cost of a scene, before it is run."""

@@ -1,4 +1,4 @@
-"""What a run says before its first step: its end, its steps, what they cost, and the key that makes it long."""
+"""Announcement of a run before its first step: its end, its steps, their cost, and the key that makes it long."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def announced(stream: TextIO) -> Callable[[Run], None]:
 
 
 def announcement(run: Run) -> str:
-    """One line on the length of a run that is about to begin, after one on the integrator that came short before it."""
+    """Line on the length of a run that is about to begin, after a line on an integrator that failed before it."""
     scene, timing, steps = run.schedule.scene, run.model.timing, run.schedule.estimated_steps()
     because = f" ({timing.because})" if timing.because else ""
     settles = ", then until it settles" if timing.end is None else ""

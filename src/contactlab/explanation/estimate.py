@@ -1,4 +1,4 @@
-"""What a run will cost, from its trial: seconds per step times steps, with an interval."""
+"""Cost estimate of a run from its trial: seconds per step times steps, with an interval."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ PERIODS = (1.0, 2.0, 6.0)  # that an explicit run takes to settle after its ramp
 ALONE = (2.0, 5.0, 8.0)  # where no contact presses them: kinetic energy has to fall below a thousandth of little
 ITERATIONS = (1.0 / 3.0, 1.0, 3.0)  # times the usual number
 LINEAR, NONLINEAR = 1.0, 3.0  # usual iterations of a load step without contact
-CONTACT, FRICTION = 3.0, 3.0  # and further ones where a step goes to the end at once
+CONTACT, FRICTION = 3.0, 3.0  # and further iterations if a step goes directly to the end
 FOLLOWED = 1.0 / 3.0  # of those, where the way is followed in many steps
 
 
 class Length(NamedTuple):
-    """How long a run is: steps, and Newton iterations of all of them (0 in explicit runs)."""
+    """Length of a run: steps, and Newton iterations of all of them (0 in explicit runs)."""
 
     steps: float
     iterations: float
@@ -101,7 +101,7 @@ class Estimate:
 
 
 def estimate(scene: Scene, model: Model, trial: TrialRun) -> Estimate:
-    """What a scene costs by its trial, whose model is given."""
+    """Estimate the cost of a scene by its trial, with its model."""
     schedule = schedule_of(model, scene)
     length, begin = expected_length(scene, model, schedule), trial.begin
     start = trial.import_s + trial.build_s - trial.compile_s

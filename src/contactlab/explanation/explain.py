@@ -1,6 +1,6 @@
-"""What a scene calls for and what it does not, read off the model that `build` makes of it.
+"""Effects that a scene uses and does not use, read from the model that `build` makes of it.
 
-What only a process of its own can tell (kernels, imported modules, seconds) comes from a trial run.
+Data that only a separate process can measure (kernels, imported modules, seconds) come from a trial run.
 """
 
 from __future__ import annotations
@@ -49,9 +49,9 @@ class Imported(NamedTuple):
 
 @dataclass(frozen=True)
 class Overview:
-    """Single numbers: sizes (`array_bytes` in bytes), steps, and seconds. Nan where nobody tried.
+    """Single numbers: sizes (`array_bytes` in bytes), steps, and seconds. NaN without a trial.
 
-    `stable_step` [s] is that of the run, `bodies_step` that of its bodies without effects.
+    `stable_step` [s] is the stable step of the run, `bodies_step` of its bodies without effects.
     """
 
     name: str
@@ -76,7 +76,7 @@ class Overview:
 
 @dataclass(frozen=True)
 class Explanation:
-    """Sections in the order they are printed. `costs` are those of a step, in s; `price` is that of the whole run."""
+    """Sections in the order they are printed. `costs` are per step, in s; `price` is for the whole run."""
 
     scene: Overview
     effects: list[Effect]
@@ -152,9 +152,9 @@ def explain(
 
 
 def _history(model: Model, at_once: int) -> str:
-    """By which keys the end depends on the loading path, and what the run makes of the path.
+    """Keys by which the end depends on the loading path, and how the run follows the path.
 
-    at_once  load steps that go to the end, or from turn to turn of the loading, at once; 0: the way is followed
+    at_once  load steps that go directly to the end, or from turn to turn of the loading; 0: the path is followed
     """
     if at_once:
         steps = "one load step" if at_once == 1 else f"{at_once} load steps, from turn to turn"
@@ -178,7 +178,7 @@ def _order(scene: Scene, attempts: Attempts) -> str:
     """The integrator that a run begins with, those that follow if it comes short, and those that refuse the scene."""
     use, refused = str(scene.integrator["use"]), [attempt.brief for attempt in attempts.tried]
     later = [str(spec["use"]) for spec in attempts.order[len(refused) + 1 :]]
-    then = f", then {', '.join(later)} if it comes short" if later else ""
+    then = f", then {', '.join(later)} if it fails" if later else ""
     return "; ".join([f"auto: {use}{then}", *refused])
 
 
@@ -220,7 +220,7 @@ def _body_calls(model: Model) -> dict[str, int]:
 
 
 def packages_of(scene: Scene, registry: Registry) -> list[str]:
-    """Import packages of the plugins that the scene brings in, beside the core."""
+    """Import packages of the plugins that the scene uses, in addition to the core."""
     from contactlab.parts.provenance import part_specs
 
     targets = {registry.offer(kind, name).part.target for _, kind, name in part_specs(scene)}

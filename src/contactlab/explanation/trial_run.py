@@ -1,7 +1,7 @@
-"""A trial: the first steps of a run in a process of its own, and then its begin as a run, for a part of its cost.
+"""Trial: the first steps of a run in a separate process, and then the begin of the run, for a part of its cost.
 
-Nothing but a fresh process can tell that apart from what was there already. Its files go to a folder that is thrown
-away; beside them it leaves machine code in the cache, where the run itself will find it.
+Only a fresh process can distinguish that from what was loaded already. Its files go to a temporary folder; it also
+leaves machine code in the cache, where the run itself will find it.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ if TYPE_CHECKING:
     from contactlab.model.held_arrays import HeldArray
     from contactlab.scene.scene import Scene
 
-STEPS = 40  # after the first one; enough to tell what a step costs
+STEPS = 40  # after the first; enough to measure the cost of a step
 PATIENCE = 0.5  # seconds after which fewer must do
 SHARE = 0.2
-"""Of the cost of a run, roughly foreseen, that its trial may take."""
+"""Share of the roughly estimated cost of a run that its trial may take."""
 LEAST, MOST = 0.5, 5.0
 """CPU time that a trial takes at least and at most [s]."""
 CUT = "cut"
@@ -81,16 +81,16 @@ class Begin(NamedTuple):
 
 @dataclass(frozen=True)
 class TrialRun:
-    """What the first steps of a run import, allocate, call and cost.
+    """Imports, arrays, calls and costs of the first steps of a run.
 
     modules  imported modules of the project and of plugins, and top-level names of other libraries
-    arrays   every array that the model, the bound integrator and what follows the run hold
+    arrays   every array that the model, the bound integrator and the observers of the run hold
     import_s, build_s, first_step_s  wall time [s]
-    step_s   CPU time of each further step [s]; where there is none, of the first without what it compiled or loaded
-    wall_step_s, costs  wall time of each further step [s], and of the parts in it; nan and none where there is none
+    step_s   CPU time of each further step [s]; without any, of the first without compiling and loading
+    wall_step_s, costs  wall time of each further step [s], and of the parts in it; NaN and empty without any
     steps    further steps that were made
-    begin    the begin of the run itself, with its frames and files; None if that was not asked for
-    compile_s  of the time of building, that of compilation [s]
+    begin    the begin of the run itself, with its frames and files; None if not requested
+    compile_s  time of compilation within the time of building [s]
     """
 
     kernels: Sequence[KernelCalls]
@@ -148,7 +148,7 @@ def main() -> None:
 def _begin_of(scene: Scene, share: float, step_s: float) -> Begin:
     """Run the scene for a share of its cost, whose first steps took `step_s` each.
 
-    Memory is that of the first steps: recorders keep theirs, and two runs of a process need more than one.
+    Memory is measured in the first steps: recorders keep theirs, and two runs of a process need more than one.
     """
     from contactlab.api.compiled.compiler import COMPILATION
     from contactlab.results.peak_memory import peak_memory_mib
@@ -252,7 +252,7 @@ def _so_far(run: Any) -> tuple[float, dict[str, dict[str, float]]]:
 
 
 def _costs(run: Any, before: tuple[float, dict[str, dict[str, float]]], steps: int) -> list[PartCost]:
-    """What each part cost in a step of the last `steps`."""
+    """Return the cost of each part per step, over the last `steps`."""
     from contactlab.results.cost import of_elements
 
     if not steps:
@@ -284,7 +284,7 @@ def _made(made: Iterator[Any], most: int) -> int:
 def imported_modules(packages: Collection[str] = ()) -> list[str]:
     """Modules outside the standard library: all of the project and of the packages of plugins that are given.
 
-    Those of libraries are told by their top-level name, or by the part of SciPy.
+    Modules of libraries are listed by their top-level name, or by the part of SciPy.
     """
     names = set()
     for name in list(sys.modules):

@@ -5,11 +5,11 @@ stresses are linear across the cell and vanish on its sides along xi: the energy
 
     B = A E'/6 sum_k ((h . x_k) / |x_k|^2)^2,    x_1 = dx/dxi, x_2 = dx/deta, E' = E/(1 - nu^2),
 
-which is what Wilson's incompatible modes leave of it as well. The element's own energy V of what varies within the cell
-is another one: fully integrated elements add shear that no beam has (and, if the material keeps its volume, pressure),
+which is also the energy with Wilson's incompatible modes. The element's own energy V of the stresses that vary within
+the cell differs: fully integrated elements add shear that no beam has (and, in incompressible materials, pressure),
 elements with averaged volume or one point lack a part, and hourglass control replaces it by a stiffness of its own.
 With W the energy of all stresses, displacements under given loads are wrong by the share (B - V)/W: a cantilever of
-20 x 1 cells by -33 % with q1, by +1230 % with q1-reduced, as it is.
+20 x 1 cells by -33 % with q1, by +1230 % with q1-reduced, as observed.
 
 Near a concentrated load cells lack stiffness by their stress, and have too much by their shape. So four times the
 energy of what stresses jump between cells is taken from a positive B - V: in beams they do not jump.
@@ -53,7 +53,7 @@ class Bending:
     """`worst`: largest and smallest B - V, largest W and hourglass energy, and largest kinetic energy of the run [mJ].
 
     Bodies that fly or rock hold little energy in their strains: how large an error these have decides little there.
-    A stiff body beside a soft one holds little energy, too. `every` holds this detector and those of the other bodies.
+    A stiff body next to a soft body holds little energy, too. `every` holds the detectors of all bodies.
     """
 
     def __init__(self, forces: BodyForces, model: Model, every: Sequence[Bending]) -> None:
@@ -76,7 +76,7 @@ class Bending:
         self.worst[2:] = np.maximum(self.worst[2:], (total, hourglass, kinetic))
 
     def warning(self) -> RunWarning | None:
-        """Advise an element that bends, or finer cells; None where both are needless."""
+        """Advise an element that bends, or finer cells; None if neither is needed."""
         soft, stiff, total, hourglass, kinetic = (float(value) for value in self.worst)
         if total <= max(self.nothing, SMALL * kinetic):
             return None
@@ -84,7 +84,7 @@ class Bending:
         soft, stiff, hourglass = soft / total, stiff / total, hourglass / total
         error = stiff if -stiff > soft else soft
         if hourglass > WRONG:
-            seen = f"hourglass modes, which the element resists by a stiffness of its own, hold {per_cent(hourglass)} "
+            seen = f"hourglass modes, which the element resists by an artificial stiffness, hold {per_cent(hourglass)} "
             return self.advice("hourglass", hourglass, f"{seen}of its strain energy", error)
         if abs(error) <= WRONG:
             return None
@@ -108,7 +108,7 @@ class Bending:
 
 
 def _finer(error: float) -> str:
-    """By what to divide lengths: errors go with their square, and of e, part of all energy, e/(1 - e) does."""
+    """Factor to divide lengths by: errors go with their square; of a part e of all energy, e/(1 - e) does."""
     share = error / max(1.0 - error, 1e-3) if error < 1.0 else error
     return f"{math.ceil(10.0 * math.sqrt(share * (1.0 - WRONG) / WRONG)) / 10.0:.2g}"
 
@@ -156,7 +156,7 @@ def _bent(forces: BodyForces, reference: Floats, displacement: Floats) -> Iterat
 def bending_energies(forces: BodyForces, reference: Floats, displacement: Floats) -> tuple[float, float]:
     """B - V and W [mJ] of a body, without the energy of hourglass control; B - V of cells that have not yielded.
 
-    Energies of stresses are those of the undeformed law.
+    Energies of stresses use the law at the undeformed state.
     """
     body, lacking, total = forces.body, 0.0, 0.0
     for bent in _bent(forces, reference, displacement):
@@ -195,7 +195,7 @@ def jump_energy(forces: BodyForces, reference: Floats, displacement: Floats) -> 
 
 
 def _elastic(body: Body, block: Block) -> Flags:
-    """Which cells of a block have not yielded at any point."""
+    """Mask of the cells of a block that have not yielded at any point."""
     if not body.material.history_size:
         return np.ones(block.connectivity.shape[1], np.bool_)
     flow = block.history[body.material.history_names.index(PLASTIC)]

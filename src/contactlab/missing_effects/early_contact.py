@@ -28,8 +28,8 @@ def early_detectors(scene: Scene, model: Model) -> Detectors:
 class EarlyContact:
     """`worst`: largest sum of forces times the gaps across which they act [mJ], its contact, and largest energy [mJ].
 
-    That energy is of strain, by the work of the stresses, and of motion. Gaps by which surfaces that touched were
-    opened before the run are none.
+    That energy is strain energy, by the work of the stresses, and kinetic energy. Gaps by which surfaces that touched
+    were opened before the run do not count.
     """
 
     def __init__(self, model: Model) -> None:
@@ -55,7 +55,7 @@ class EarlyContact:
         self.update()
 
     def warning(self) -> RunWarning | None:
-        """Advise a smaller distance; None where it takes little energy."""
+        """Advise a smaller distance; None if it takes little energy."""
         work, number, energy = (float(value) for value in self.worst)
         share = work / max(energy, energy_of_strain(self.model, NO_STRAIN))
         if share <= EARLY:
@@ -63,7 +63,7 @@ class EarlyContact:
         pair = self.pairs[int(number)]
         return needed(
             "early-contact", share, EARLY, f"{pair.name}.algorithm",
-            f"{pair.name}: forces act across gaps, and bodies are pressed as if they were larger by these: closing "
-            f"them would give {per_cent(share)} of the largest energy of strain and motion (limit {per_cent(EARLY)})",
+            f"{pair.name}: forces act across gaps, as if the bodies were larger: closing the gaps would take "
+            f"{per_cent(share)} of the largest strain and kinetic energy (limit {per_cent(EARLY)})",
             "take a smaller dhat, finer cells, or an algorithm that closes gaps (mortar-p1)",
         )  # fmt: skip

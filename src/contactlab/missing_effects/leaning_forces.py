@@ -22,7 +22,7 @@ APART = 0.1  # of the largest contact force on a body: curved and rough contacts
 
 
 def leaning_detectors(scene: Scene, model: Model) -> Detectors:
-    """A detector for runs whose contact forces act along derivatives of gaps, but for those of half passes."""
+    """Detector for runs whose contact forces act along derivatives of gaps, except in half passes."""
     contact = model.contact
     if contact is not None and getattr(contact, "consistent", False) and not any(p.half for p in contact.pairs):
         yield LeaningForces(model)
@@ -75,7 +75,7 @@ class LeaningForces:
             key, mend = f"{name}.algorithm", f"round {corner}"
         return needed(
             "leaning-forces", share, APART, key,
-            f"{name}: contact forces differ by {per_cent(share)} of the largest from what pressure and shear add up "
-            "to: mean gaps change as segments slide past a corner, which holds them up",
+            f"{name}: contact forces differ by {per_cent(share)} of the largest from the integrals of pressure and "
+            "shear: mean gaps change as segments slide past a corner, which resists sliding",
             f"{mend}, or take node-on-segment",
         )  # fmt: skip

@@ -54,6 +54,6 @@ def _locks(body: Body, value: float, limit: float, seen: str) -> RunWarning:
         value,
         limit,
         key,
-        f"body {body.name}: {seen}, and its element is too stiff where the volume hardly changes",
+        f"body {body.name}: {seen}, and its element locks if the volume hardly changes",
         f'write {key} = "{other}"' if other else f"use an element that does not lock at {key}",
     )

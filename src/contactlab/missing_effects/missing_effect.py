@@ -1,4 +1,4 @@
-"""How a missing effect is told, and what a detector of one must do."""
+"""Warning about a missing effect, and the interface of its detectors."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Detector(Protocol):
         """Take the model's present state into `worst`."""
 
     def warning(self) -> RunWarning | None:
-        """The warning of what is missing by what was seen so far, None where nothing is."""
+        """Warning about the missing effect by what was seen so far, None if there is none."""
 
 
 Detectors = Iterator[Detector]

@@ -42,7 +42,7 @@ class EffectMonitor:
 
     @property
     def every_step(self) -> tuple[Callable[[Step, float], None], ...]:
-        """What to call after each accepted step: detectors that would miss it between frames."""
+        """Callbacks after each accepted step: of detectors that frames are not enough for."""
         return tuple(detector.follow for detector in self.detectors if isinstance(detector, EarlyContact))
 
     def examine_frame(self) -> None:
@@ -52,14 +52,14 @@ class EffectMonitor:
         self._add(self.early)
 
     def judge(self) -> None:
-        """Add warnings of the whole run, when it is over."""
+        """Add warnings of the whole run, at its end."""
         self._add(self.late)
 
     def _add(self, detectors: list[Detector]) -> None:
         self.warnings.add(*filter(None, (detector.warning() for detector in detectors)))
 
     def saved(self) -> dict[str, Floats]:
-        """Everything that changes while the run goes on."""
+        """Everything that changes during the run."""
         return {KEY: np.concatenate([np.zeros(0), *(detector.worst for detector in self.detectors)])}
 
     def restore(self, memory: Mapping[str, Floats]) -> None:

@@ -24,7 +24,7 @@ Mask = NDArray[np.bool_]
 
 
 def overlap_detectors(scene: Scene, model: Model) -> Detectors:
-    """One detector for all pairs of bodies, each body with itself as well, and one for each rigid surface."""
+    """Detector for all pairs of bodies, each body with itself as well, and a detector for each rigid surface."""
     overlap = Overlap(scene, model)
     yield overlap
     if scene.rigid:
@@ -36,7 +36,7 @@ def overlap_detectors(scene: Scene, model: Model) -> Detectors:
 class Overlap:
     """`worst`: of the first overlap its node, the body around it, that body's nearest node, how many nodes; else -1.
 
-    The nearest node is looked up at once: later the first may be nearer to the far side.
+    The nearest node is looked up immediately: later the first may be nearer to the far side.
     """
 
     def __init__(self, scene: Scene, model: Model) -> None:
@@ -145,7 +145,7 @@ def meeting(boxes: Floats) -> tuple[Ints, Ints]:
 
 
 def _joined_nodes(outlines: Sequence[Outline], model: Model) -> dict[tuple[int, int], Mask]:
-    """Which boundary nodes of a body belong to a contact whose other side is (partly) of another, by both numbers."""
+    """Masks of a body's boundary nodes in a contact whose other side is (partly) of another, by both numbers."""
     ends = np.array([outline.body.first + outline.body.count for outline in outlines])
     joined: dict[tuple[int, int], Mask] = {}
     for pair in model.contact.pairs if model.contact is not None else ():

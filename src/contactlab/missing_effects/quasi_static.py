@@ -71,7 +71,7 @@ class KineticEnergy:
                 _slow_key(self.model),
                 "nothing resists the motion of a run that is meant to be quasi-static: kinetic energy reaches "
                 f"{per_cent(share)} of the internal energy ({per_cent(SHARE)} at most)",
-                "hold or join what moves by supports and contacts, or slow down: " + _slowly(self.model, 10.0),
+                "hold the moving bodies by supports or contacts, or slow down: " + _slowly(self.model, 10.0),
             )
         slower = math.ceil(10.0 * math.sqrt(share / SHARE)) / 10.0
         return needed(
@@ -129,7 +129,7 @@ class DampedWork:
     def update(self) -> None:
         """Take in the works of damping and of supports and loads so far."""
         internal, external, damping = (abs(float(work)) for work in self.model.state["work"][:3])
-        if not self.model.explicit:  # in explicit runs it is that of hourglasses
+        if not self.model.explicit:  # in explicit runs it is the energy of hourglass modes
             damping += abs(float(self.model.state["work"][WORK.index("numerical")]))
         np.maximum(self.worst, (damping, max(internal, external)), out=self.worst)
 
@@ -143,9 +143,9 @@ class DampedWork:
             return None
         return needed(
             "damped-work", share, UNBALANCED, self.at_once[0],
-            f"damping has taken {per_cent(share)} of the work done ({per_cent(UNBALANCED)} at most), as a load acts at "
-            f"once, and {(*history.laws, *history.friction)[0]} depends on the way",
-            f"let it rise: write {self.at_once[0]} = {_rising(self.model, self.at_once[0])}",
+            f"damping has taken {per_cent(share)} of the work done ({per_cent(UNBALANCED)} at most), as a load acts "
+            f"without a ramp, and {(*history.laws, *history.friction)[0]} depends on the loading path",
+            f"add a ramp: write {self.at_once[0]} = {_rising(self.model, self.at_once[0])}",
         )  # fmt: skip
 
 
@@ -175,7 +175,7 @@ def _at_once(scene: Scene) -> Iterator[str]:
 
 
 def _rising(model: Model, key: str) -> str:
-    """What to write for a load that is to rise within the run, at a speed that excites little."""
+    """Value of a key that makes a load rise during the run, slowly enough to excite little."""
     if key.endswith(".ramp"):
         return f"{model.timing.last:.3g}"
     return '{ ramp = "linear", to = its value }'
@@ -193,7 +193,7 @@ def _slowly(model: Model, factor: float) -> str:
     """The line that makes the loading slower by a factor, or steps shorter if they do not resolve vibrations."""
     key = _slow_key(model)
     if steps := _steps_needed(model):
-        return f"write {key} = {steps} or more, or leave it out: steps are longer than half a period of the lowest mode"
+        return f"write {key} = {steps} or more, or omit it: steps are longer than half a period of the lowest mode"
     if key == "time.ramp":
         return f"write {key} = {factor * model.timing.ramp:.3g} or more"
     last = factor * model.timing.last

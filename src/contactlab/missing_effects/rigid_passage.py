@@ -1,4 +1,4 @@
-"""Bodies that go through a rigid surface beside the contact that they have with it."""
+"""Bodies that go through a rigid surface outside of the contact that they have with it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def rigid_passages(scene: Scene, model: Model, edges: Ints) -> Detectors:
-    """One detector for each rigid surface; `edges` (e, 2) are those of all outlines."""
+    """Detector for each rigid surface; `edges` (e, 2) are the edges of all outlines."""
     pairs = model.contact.pairs if model.contact is not None else ()
     joined: dict[str, list[ContactPair]] = {}
     for pair, spec in zip(pairs, scene.contacts, strict=True):
@@ -52,7 +52,7 @@ class Passage:
         height = np.stack([cross(a - c, along), cross(b - c, along)], axis=1)
         first, last, long = cross(c - a, b - a), cross(d - a, b - a), np.hypot(*(b - a).T)
         crossed = (height.prod(axis=1) <= 0.0) & (first * last <= 0.0)
-        # beside the end of a chain: distances of its first and last points from the edge
+        # past the end of a chain: distances of its first and last points from the edge
         beside = np.abs([first, last]) < DEPTH * long**2
         crossed &= ~(np.isin(segment, self.ends) & beside.T).any(axis=1)
         found = np.flatnonzero(crossed & (height.min(axis=1) < -DEPTH * long))
@@ -60,7 +60,7 @@ class Passage:
             self.worst[0] = edge[found[0], height[found[0]].argmin()]
 
     def warning(self) -> RunWarning | None:
-        """Advise a contact between the rigid surface and what crossed it; None where nothing did."""
+        """Advise a contact between the rigid surface and what crossed it; None if nothing did."""
         node = int(self.worst[0])
         if node < 0:
             return None
@@ -72,6 +72,6 @@ class Passage:
             0.0,
             f"contacts.{len(self.scene.contacts)}",
             f"body {body.name} goes through the rigid surface {self.name}, first seen at its node ({x:.4g}, {y:.4g}), "
-            "which no contact joins to it",
+            "without a contact between them",
             f'add [[contacts]] with slave = "{edge_set(body, node)}" and master = "{self.name}"',
         )

@@ -45,12 +45,12 @@ def _bodies_of(nodes: Ints, bodies: tuple[Body, ...], ends: Ints) -> list[Body]:
 
 
 class WrongSide:
-    """Whether the other side should be the slave.
+    """Detector of contacts whose other side should be the slave.
 
     worst  largest median ratio of slave to master segments where they press; the sum of the forces of all frames, and
-           of forces times the squared sine of their lean against the smoother side, as they act and as the rougher
-           side's normals would have them act; and the sums of forces times the sine of their lean: against the slave
-           where both sides are as smooth (nodes that slid off convex vertices of the master, all to one side), and
+           of forces times the squared sine of their lean against the smoother side, as they act and as they would
+           act along the rougher side's normals; and the sums of forces times the sine of their lean: against the slave
+           if both sides are as smooth (nodes that slid off convex vertices of the master, all to one side), and
            against the smoother side in the direction of friction
     """
 
@@ -112,10 +112,10 @@ class WrongSide:
         # beyond `exchanged`: the exchanged contact does not get the advice to exchange back
         if value > limit and lean > exchanged:
             seen = f"normals of facets lean by {np.degrees(value):.2g} degrees against the smoother side"
-            return self._swap(value, limit, f"{seen}, and forces with them", "its normals are better known")
+            return self._swap(value, limit, f"{seen}, and forces with them", "its normals are more accurate")
         if aside > LEAN:
             seen = f"normals of facets lean by {np.degrees(aside):.2g} degrees to one side, and forces with them"
-            return self._swap(aside, LEAN, seen, "slave nodes stand beside vertices of the master, where it turns")
+            return self._swap(aside, LEAN, seen, "slave nodes lie next to vertices of the master, where it turns")
         if other_lean > LEAN or self.pair.method.passes_patch_test:
             return None
         better = "the softer and finer side carries the multipliers better"

@@ -75,7 +75,7 @@ class LargeStrain:
             value,
             limit,
             self.key,
-            f"body {self.forces.body.name}: {seen}, its law is for small ones (5 % and 5 degrees)",
+            f"body {self.forces.body.name}: {seen}, but its law is for small strains (5 % and 5 degrees)",
             _other_law(self.key, self.forces.body.material.beyond.get("finite strain"), "a law for finite strain"),
         )
 

@@ -44,7 +44,7 @@ _TICK = "return tick >= 0.001 ? String(Number(tick.toPrecision(3))) : tick.toExp
 
 
 def explore_section(found: Accuracy, lines: Sequence[Line], pages: Mapping[Place, str]) -> str:
-    """The plot with what chooses its case, algorithms, elements, ways and slaves; empty where no run finished."""
+    """The plot with controls for its case, algorithms, elements, ways and slaves; empty if no run finished."""
     cases = [asked for asked in found.asked if any(line.finished for line in lines if line.case == asked.label)]
     if not cases:
         return ""
@@ -64,7 +64,7 @@ def library() -> str:
 
 
 def page_figure(**settings: Any) -> Any:
-    """A figure as wide as the page, without a ground of its own; `settings` are those of Bokeh's figure."""
+    """A figure as wide as the page, without a background; `settings` are passed to Bokeh's figure."""
     plot = figure(sizing_mode="stretch_width", background_fill_alpha=0.0, border_fill_alpha=0.0, **settings)
     for axis in (plot.xaxis[0], plot.yaxis[0]):
         axis.update(axis_label_text_color=GREY, major_label_text_color=GREY, axis_line_color=GREY)
@@ -166,7 +166,7 @@ def _counts(point: Point) -> str:
 
 
 def _best(point: Point) -> str:
-    """What the nodes allow, where that is known."""
+    """Return the smallest error that the nodes allow, if it is known."""
     return "" if math.isnan(point.best) else f"; best on these nodes {100.0 * point.best:.3g} %"
 
 

@@ -31,16 +31,15 @@ from contactlab.reports.numbers import percent
 from contactlab.reports.sheet import Sheet
 
 _FRONT = (
-    "Lower left is better. Each line is a contender with the better of its slaves, and the other one if it has a point "
+    "Lower left is better. Each line is a method with the better of its slaves, and the other slave if it has a point "
     "of the front; numbers are mesh levels. The broad grey step is the front: no other run is both cheaper and "
-    "more accurate. In the hatched band the reference cannot tell. Crosses above are runs that failed, arrowheads runs "
+    "more accurate. In the hatched band the reference is too uncertain. Crosses above are failed runs, arrowheads runs "
     "stopped at their limit. CPU seconds are medians of the steps, of one thread."
 )
 _SOLVED = (
-    "A question is a case, a slave and one of the targets that the reference can tell. A line rises where a contender "
-    "has answered one more; what it does not answer, or cannot be put to, keeps it below 100 % for ever. The pale line "
-    "is the best contender of each question by itself. Numbers: questions that are answered, of those that a "
-    "contender can be put to."
+    "A question is a case, a slave and a target that the reference can resolve. A line rises when a method meets "
+    "another target; questions that it does not meet, or does not support, keep it below 100 %. The pale line is the "
+    "best method of each question separately. Numbers: questions that are met, of all that a method supports."
 )
 
 
@@ -73,8 +72,8 @@ def page(evaluated: Evaluation, figures: dict[str, Figure], pages: Mapping[Place
         figure_section(figures, "error-against-cost", "Error against cost, all cases", _FRONT),
         _costs(found, evaluated.costs),
         explore_section(found, evaluated.lines, pages),
-        figure_section(figures, "solved", "How much is answered in a given time", _SOLVED, narrow=True),
-        _told("How near to the limit", _LIMITS, limits_sheet(found, evaluated.lines)),
+        figure_section(figures, "solved", "Share of targets met in a given time", _SOLVED, narrow=True),
+        _told("Distance from the optimum", _LIMITS, limits_sheet(found, evaluated.lines)),
         section("Orders of convergence", _ORDERS + table if evaluated.orders else ""),
         _told("Costs beside", "", beside_sheet(found, evaluated.lines)),
         _points(found, pages),
@@ -88,14 +87,14 @@ def page(evaluated: Evaluation, figures: dict[str, Figure], pages: Mapping[Place
 def _head(found: Accuracy) -> str:
     finished = sum(point.finished for point in found.points)
     waiting = sum(point.status == WAITING for point in found.points)
-    later = f" {waiting} points are still to come: load the page again, it is rewritten as they do." if waiting else ""
+    later = f" {waiting} points are still to come: reload the page, it is rewritten as they come." if waiting else ""
     rest: dict[str, int] = {}
     for point in found.points:
         if not point.finished and point.status != WAITING:
             rest[point.status] = rest.get(point.status, 0) + 1
     told = ", ".join(f"{count} {status}" for status, count in rest.items())
     beside = (
-        f" {found.side_by_side} runs were made side by side and disturbed each other." if found.side_by_side > 1 else ""
+        f" {found.side_by_side} runs ran in parallel, which disturbs their times." if found.side_by_side > 1 else ""
     )
     facts = system_facts()
     made = f"{datetime.now(UTC):%Y-%m-%d}, contactlab {facts['contactlab']} {commit()}, {facts['processor']}".strip()
@@ -111,26 +110,26 @@ def _head(found: Accuracy) -> str:
 
 
 _ORDERS = (
-    "<p>q of error ~ C h<sup>q</sup> by least squares over points above what the reference can tell, with its 95 % "
-    "interval; theory as the case gives it.</p>"
+    "<p>q of error ~ C h<sup>q</sup> by least squares over points above the uncertainty of the reference, with its "
+    "95 % interval; theory as the case gives it.</p>"
 )
 _LIMITS = (
     "<p>Efficiency: the error (in L2) of the best approximation of the exact pressure on the same slave nodes over "
     "the error of the run, at its finest level; with the better slave. At 1 no algorithm could do better on this mesh, "
     "at 0.5 one with half of the error is possible. Pressures are compared as continuous piecewise linear functions, "
-    "those of constant multipliers and of nodal forces, too. In brackets the level.</p>"
+    "also pressures of constant multipliers and of nodal forces. In brackets the level.</p>"
 )
 _COSTS = (
-    "<p>CPU seconds of the cheapest run of each contender that keeps the target, with the better of its slaves. "
-    "\N{BLACK STAR} is the cheapest, \N{ALMOST EQUAL TO} are those that cannot be told "
-    "from it: their intervals overlap. \N{LESS-THAN OR EQUAL TO}: the coarsest mesh is already that good. "
-    "\N{HORIZONTAL ELLIPSIS}: below three times what the reference is known to. \N{MIDDLE DOT}: the case is not made "
+    "<p>CPU seconds of the cheapest run of each method that meets the target, with the better of its slaves. "
+    "\N{BLACK STAR} is the cheapest, \N{ALMOST EQUAL TO} are methods that tie "
+    "with it: their intervals overlap. \N{LESS-THAN OR EQUAL TO}: the coarsest mesh is already that good. "
+    "\N{HORIZONTAL ELLIPSIS}: below three times the uncertainty of the reference. \N{MIDDLE DOT}: the case is not made "
     "for it. Hover for intervals and reasons.</p>"
 )
 _WINNERS = (
-    "<p>The method that keeps an error at the least cost: the median CPU time of the steps of a mesh that was run. "
-    "Methods tie where intervals of repeated runs, and of what the reference is known to, overlap. "
-    "\N{LESS-THAN OR EQUAL TO}: the coarsest mesh is already that good. Empty: not asked.</p>"
+    "<p>The method that meets an error at the least cost: the median CPU time of the steps of a mesh that was run. "
+    "Methods tie if the intervals of repeated runs, with the uncertainty of the reference, overlap. "
+    "\N{LESS-THAN OR EQUAL TO}: the coarsest mesh is already that good. Empty: not requested.</p>"
 )
 _USUAL = 0.01
 

@@ -25,7 +25,7 @@ _DASHES: Any = ("-", (0, (4, 2)), (0, (1, 1.5)), (0, (5, 1, 1, 1)), (0, (8, 2, 1
 _MARKERS = ("o", "s", "D", "^", "v", "P")
 _COLUMNS = 3
 _ENTRY = 2.6  # inches that an entry of the legend takes
-_BESIDE, _WIDE_ENTRY = 3, 3.0  # entries with numbers beside each other, and inches that one takes
+_BESIDE, _WIDE_ENTRY = 3, 3.0  # entries with numbers in a row, and inches that one takes
 _UNCLEAR: Any = {"facecolor": "none", "edgecolor": REFERENCE, "alpha": 0.35, "hatch": "////", "linewidth": 0.0}
 _STRIP = 0.05  # of the height that points take, for the marks of an algorithm's lost runs
 STOPPED = ("timed-out", "over-limit")
@@ -34,7 +34,7 @@ _LEAST_RANGE = 5.0  # of an axis, largest over least: points that are closer tha
 
 @dataclass(frozen=True)
 class Look:
-    """How a contender is drawn: its algorithm by colour, its element by marker, its way by the dashes."""
+    """Line style of a contender: its algorithm by colour, its element by marker, its way by the dashes."""
 
     colour: str
     marker: str
@@ -81,7 +81,7 @@ def cost_figure(found: Accuracy, lines: Sequence[Line]) -> Figure:
         for axes in grid[len(cases) :]:
             axes.set_axis_off()
         if not cases:
-            note(grid[0], "no run came to its end")
+            note(grid[0], "no run finished")
         for axes in grid[max(0, len(cases) - columns) : len(cases)]:
             axes.set_xlabel("CPU time [s]", fontsize=8.5)
         for axes in grid[: len(cases) : columns]:
@@ -160,7 +160,7 @@ def _legend(figure: Figure, names: Sequence[str], chosen: dict[str, Look], colum
     entries += [mark(look.marker, f"point: {name}") for name, look in elements.items()]
     entries += [mark("o", "slaves exchanged", "none"), mark("x", "failed"), mark(">", "stopped at its limit")]
     entries.append(Line2D([], [], color=INK, linewidth=5.0, alpha=0.16, label="front: nothing better is cheaper"))
-    entries.append(Patch(**_UNCLEAR, label="the reference cannot tell"))
+    entries.append(Patch(**_UNCLEAR, label="below the uncertainty of the reference"))
     figure.legend(
         handles=entries, loc="outside lower center", ncols=columns, fontsize=8, labelcolor=MUTED, handlelength=3.4
     )

@@ -44,7 +44,7 @@ def write_run_pages(found: Accuracy, folder: Path) -> dict[Place, str]:
 
 
 def _page(archive: Archive, point: Point, folder: Path) -> str:
-    """The page of a point's dearest run, from the results folder; empty where the archive has no such run."""
+    """The page of a point's most expensive run, from the results folder; empty if the archive has no such run."""
     key = point.runs[-1]
     name = f"{point.case} {point.contender} {point.slave} {point.level}".replace(",", "").replace("/", "-")
     path = folder / FOLDER / f"{name.replace(' ', '_')}.html"
@@ -101,7 +101,7 @@ def _pressure(record: Record) -> Any:
 
 
 def _energy(record: Record) -> Any:
-    """Energies over time; None where fewer than two times were kept."""
+    """Energies over time; None if fewer than two times were kept."""
     history: Mapping[str, Any] = record.history
     time = np.asarray(history.get("time", ()))
     kept = [name for name in history if name.startswith(_PREFIX) and np.any(history[name])]

@@ -19,8 +19,8 @@ from contactlab.reports.sheet import Cell, Column, Sheet, numbers
 from contactlab.reports.sheet import Line as Row
 
 NOTES = (
-    "* cheapest   ~ cannot be told from the cheapest   \N{LESS-THAN OR EQUAL TO} the coarsest mesh is that good   "
-    "\N{HORIZONTAL ELLIPSIS} below what the reference can tell"
+    "* cheapest   ~ ties with the cheapest   \N{LESS-THAN OR EQUAL TO} the coarsest mesh is that good   "
+    "\N{HORIZONTAL ELLIPSIS} below the uncertainty of the reference"
 )
 _MARKS = {"cheapest": "*", "tied": "~"}
 _STARS = {"cheapest": "\N{BLACK STAR} ", "tied": "\N{ALMOST EQUAL TO} "}
@@ -150,7 +150,7 @@ def beside_sheet(found: Accuracy, lines: Sequence[Line]) -> Sheet:
             compiled = max((p.compile_s for p in points if p.compile_s >= 0.0), default=math.nan)
             most = max((p.cost / p.calibration for p in points if p.calibration > 0.0), default=math.nan)
             rows.append([name, significant(memory, 3), significant(compiled, 2), significant(most, 2)])
-    heads = numbers("largest memory, MiB", "longest compiling or loading, s", "dearest run, calibration kernels")
+    heads = numbers("largest memory, MiB", "longest compiling or loading, s", "costliest run, calibration kernels")
     return Sheet(["contender", *heads], rows)
 
 
@@ -167,7 +167,7 @@ def references_sheet(asked: Sequence[Asked]) -> Sheet:
 
 
 def finest_efficiencies(lines: Sequence[Line]) -> dict[tuple[str, str], Point]:
-    """Of each case and contender the finest point that has an efficiency, of the slave that has the better one."""
+    """Finest point with an efficiency for each case and contender, with the slave that has the better efficiency."""
     found: dict[tuple[str, str], Point] = {}
     for line in lines:
         point = next((p for p in reversed(line.finished) if not math.isnan(p.efficiency)), None)

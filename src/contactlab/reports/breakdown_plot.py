@@ -41,7 +41,7 @@ def breakdown_figure(breakdown: CostBreakdown) -> Figure:
         _legend(axes)
         left_out = [f"{cost.effect}: {cost.status}" for cost in breakdown.effects if cost not in drawn]
         if not drawn:
-            note(axes, "no run tells what an effect costs and changes")
+            note(axes, "no run shows the cost and the influence of an effect")
         elif left_out:
             text = textwrap.fill(f"without a point: {'; '.join(left_out)}", 110)
             axes.set_title(text, fontsize=8.5, fontweight="normal", color=ALARM)
@@ -116,9 +116,9 @@ def _regions(axes: Axes) -> None:
     axes.axvline(100.0 * DEAR, color=MUTED, linewidth=0.8, linestyle=(0, (4, 3)), zorder=0)
     for x, y, across, text in (
         (0.99, 0.98, "right", "dear and needed"),
-        (0.99, 0.02, "right", "dear, could be spared"),
+        (0.99, 0.02, "right", "expensive, can be switched off"),
         (0.01, 0.98, "left", "cheap and needed"),
-        (0.01, 0.02, "left", "cheap, could be spared"),
+        (0.01, 0.02, "left", "cheap, can be switched off"),
     ):
         up = "top" if y > 0.5 else "bottom"
         axes.text(x, y, text, transform=axes.transAxes, ha=across, va=up, color=MUTED, fontsize=9, style="italic")
@@ -126,7 +126,7 @@ def _regions(axes: Axes) -> None:
 
 def _legend(axes: Axes) -> None:
     entries = [
-        Line2D([], [], color=DECLARED, marker="o", linestyle="none", markersize=8, label="in the scene: taken out"),
+        Line2D([], [], color=DECLARED, marker="o", linestyle="none", markersize=8, label="in the scene: removed"),
         Line2D(
             [], [], color=ADDED, marker="o", markerfacecolor="none", linestyle="none", markersize=8,
             label="not in the scene: added",
@@ -136,8 +136,8 @@ def _legend(axes: Axes) -> None:
 
 
 _PLOT = (
-    "Each point is an effect. Full: the scene declares it, and it was taken out. Hollow: the scene leaves it out, "
-    "and it was added. Points far up matter to the answer; points far to the right cost much."
+    "Each point is an effect. Full: the scene declares it, and it was removed. Hollow: the scene omits it, "
+    "and it was added. Points at the top matter to the answer; points at the right are expensive."
 )
 
 
@@ -152,7 +152,7 @@ def write_breakdown_report(table: Table, breakdown: CostBreakdown, folder: Path)
     explanation = f'<p class="note">{escape(EXPLANATION)}</p>\n'
     sections = [
         head,
-        section("What each effect costs and changes", effects_sheet(breakdown).html() + explanation + notes),
+        section("Cost and influence of each effect", effects_sheet(breakdown).html() + explanation + notes),
         figure_section({"bill": figure}, "bill", "Which effects the scene needs", _PLOT, narrow=True),
         scene_section(table),
         machine_section(table),

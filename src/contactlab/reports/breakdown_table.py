@@ -1,4 +1,4 @@
-"""What the effects of a scene cost and change: cells of the table, and the table on a terminal."""
+"""Cost and influence of the effects of a scene: cells of the table, and the table on a terminal."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def reasons(effects: Sequence[EffectCost]) -> list[str]:
 
 
 def sentence(breakdown: CostBreakdown) -> str:
-    """What the scene costs, and what of it buys least."""
+    """Return the cost of the scene, and which effects can be switched off."""
     text = (
         f"As declared: {significant(1e6 * breakdown.step_s, 3)} µs of CPU time per step, "
         f"{significant(breakdown.run_s, 3)} s in {breakdown.steps:.0f} steps, "
@@ -59,7 +59,7 @@ def sentence(breakdown: CostBreakdown) -> str:
     spare = [p for p in breakdown.effects if p.declared and p.run_s > 0.02 * breakdown.run_s and p.error < 0.001]
     if spare:
         names = ", ".join(p.effect for p in spare)
-        text += f" Of these the answer would not miss (under 0.1 %): {names}."
+        text += f" Can be switched off (the answer changes by less than 0.1 %): {names}."
     return text
 
 
@@ -72,6 +72,6 @@ def render_breakdown(breakdown: CostBreakdown, title: str) -> RenderableType:
 
 
 EXPLANATION = (
-    "What an effect costs is the run with it less the run without it; force, pressure and energy tell how far leaving "
-    "it out changes the answer, relative to the run that has it. Negative costs: the run is slower without it."
+    "The cost of an effect is the run with it minus the run without it; force, pressure and energy are the changes of "
+    "the answer without it, relative to the run that has it. Negative costs: the run is slower without it."
 )

@@ -28,7 +28,7 @@ _FAR_BELOW = 0.4  # of the lowest error drawn: where the reference's own error n
 
 
 def cost_figure(table: Table, ax: Axes | None = None) -> Figure:
-    """One line per series and slave, a marker per level; runs that did not finish are marked, not dropped."""
+    """Draw a line per series and slave, a marker per level; runs that did not finish are marked, not dropped."""
     chosen = series_styles(table.rows)
     slaves = list(dict.fromkeys(row.slave for row in table.rows))
     with house_style():

@@ -1,4 +1,4 @@
-"""What all plots share: fonts, greys, files, and colours that follow a page into the dark."""
+"""Common style of all plots: fonts, greys, files, and colours that follow the dark mode of a page."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MUTED: Final = "#636c76"
 FAINT: Final = "#d5d9de"
 PAPER: Final = "#fdfeff"
 ALARM: Final = "#c2410c"
-"""Greys of a plot, and what marks a failure. On a page each follows a custom property (`inline_svg`)."""
+"""Greys of a plot, and the colour of failures. On a page each follows a custom property (`inline_svg`)."""
 
 _STYLE: Any = {
     "font.family": "sans-serif",

@@ -1,4 +1,4 @@
-"""What a comparison found, algorithm by algorithm: the few numbers that a reader wants first."""
+"""Findings of a comparison by algorithm: the few numbers that a reader wants first."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from contactlab.studies.table import Row, Table
 
 @dataclass(frozen=True)
 class Finding:
-    """One algorithm over the runs of the study; ranges are (smallest, largest), nan where unknown.
+    """Results of an algorithm over the runs of the study; ranges are (smallest, largest), NaN if unknown.
 
     peak_force, peak_pressure  [N/mm], [MPa] of the runs that carried the whole load
     """
@@ -74,19 +74,19 @@ def span(values: tuple[float, float], unit: str) -> str:
 
 
 def sentence(table: Table) -> str:
-    """How many runs there were, and which was the most accurate one at what cost."""
+    """Return the number of runs, and the most accurate run with its cost."""
     rows = table.main
     levels = sorted({row.level for row in rows})
     at = f" at level {levels[0]}" if len(levels) == 1 else ""
     if not any(row.complete for row in rows):
-        return f"Not one of {len(rows)} runs{at} came to its end: {rows[0].status}, {rows[0].reason}."
+        return f"None of {len(rows)} runs{at} finished: {rows[0].status}, {rows[0].reason}."
     text = f"{len(rows)} runs{at}, {sum(row.finished for row in rows)} finished."
     measured = [row for row in rows if row.finished and row["pressure_error"] >= 0.0]
     return text + (_most_accurate(table, measured) if measured else "")
 
 
 def _most_accurate(table: Table, rows: Sequence[Row]) -> str:
-    """The most accurate run; where the reference cannot tell it from others, all of them, with the cheapest."""
+    """The most accurate run; if others tie within the uncertainty of the reference, all of them, with the cheapest."""
     # Errors below three times the uncertainty of the reference are alike, and so are errors no further apart than twice
     # that: each of them may be off by it.
     known = table.reference.pressure_uncertainty if table.reference is not None else 0.0

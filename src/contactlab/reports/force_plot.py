@@ -18,9 +18,9 @@ from contactlab.studies.table import Row, Table
 from contactlab.studies.varied_text import varied_text
 
 LINES = ("-", (0, (5, 1.2)), (0, (1.2, 1.2)), (0, (5, 1.2, 1.2, 1.2)))
-"""Of slave, level and further choices; colours are those of the algorithms."""
+"""Line styles by slave, level and further choices; colours are by algorithm."""
 MANY = 12
-"""Lines in the legend beyond which it is drawn beside the plot, small."""
+"""Lines in the legend beyond which it is drawn outside the plot, small."""
 
 
 def force_figure(table: Table, on: str = "", component: str = "", ax: Axes | None = None) -> Figure:
@@ -58,7 +58,7 @@ def curve_of(row: Row, on: str = "", component: str = "") -> ForceCurve | None:
 
 
 def label_of(row: Row, rows: Sequence[Row]) -> str:
-    """What tells a run apart: algorithm, choices, slave, level, and that it did not finish."""
+    """Label of a run: algorithm, choices, slave and level as far as they differ, and its status if not finished."""
     texts = [series_of(row, rows)]
     if len({each.slave for each in rows}) > 1:
         texts.append(f"slave {row.slave}")
@@ -68,7 +68,7 @@ def label_of(row: Row, rows: Sequence[Row]) -> str:
 
 
 def has_curves(table: Table) -> bool:
-    """Whether any run has a curve of at least 3 states."""
+    """Return whether any run has a curve of at least 3 states."""
     try:
         return any(curve is not None and len(curve.x) > 2 for curve in map(curve_of, table.main))
     except RequestError:

@@ -1,4 +1,4 @@
-"""How numbers are written in tables and plots."""
+"""Format of numbers in tables and plots."""
 
 from __future__ import annotations
 

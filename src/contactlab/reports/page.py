@@ -1,4 +1,4 @@
-"""`report.html`: one file with everything in it, and the plots beside it."""
+"""`report.html`: one file with everything in it, and the plots as files next to it."""
 
 from __future__ import annotations
 
@@ -95,12 +95,12 @@ _MAP = (
 )
 _COST = (
     "Further left is cheaper, further down more accurate. Each line is one algorithm with one choice of slave; "
-    "the numbers are mesh levels. CPU seconds are those of one thread, without imports, "
+    "the numbers are mesh levels. CPU seconds are of one thread, without imports, "
     "building, and compiling or loading kernels."
 )
 _TIMES = (
-    "Wall time of the steps, kernels compiled or loaded in it too, and the share of each phase and of the parts in it. "
-    "Shares of laws and elements were measured on the state at the end; implicit runs solve contact together with the "
+    "Wall time of the steps, including kernels compiled or loaded in them, and the share of each phase and its parts. "
+    "Shares of material models and elements were measured at the end; implicit runs solve contact together with the "
     "bodies."
 )
 
@@ -145,7 +145,7 @@ def _runs(table: Table) -> str:
 
 
 def _times(table: Table) -> str:
-    """Where the time went, folded away; empty if no run left a summary."""
+    """Times by phase, folded away; empty if no run left a summary."""
     sheet = times_sheet(table)
     folded = f"<details><summary>{len(table)} runs, phase by phase</summary>{sheet.html()}</details>"
     return section("Where the time went", f"<p>{_TIMES}</p>{folded}" if sheet.rows else "")
@@ -163,7 +163,7 @@ def _agreement(table: Table) -> str:
     )  # fmt: skip
     heads = ["algorithms", *["with"] * varied, "slave"]
     sheet = Sheet([*heads, *numbers("level", "reaction difference, %", "pressure difference, %")], rows)
-    text = "<p>How far two algorithms are from each other on the same run; no reference is involved.</p>"
+    text = "<p>Differences between two algorithms on the same run; no reference is involved.</p>"
     return section("Do the algorithms agree?", text + sheet.html())
 
 
@@ -175,7 +175,7 @@ def _bodies_caption(table: Table) -> str:
 def _reference(reference: Reference | None, table: Table) -> str:
     if reference is None:
         why = next((note for row in table.rows for note in row.notes), "no run left a pressure")
-        return section("Reference", f'<p class="note">There is no pressure error: {escape(why)}.</p>')
+        return section("Reference", f'<p class="note">Pressure error not computed: {escape(why)}.</p>')
     meaning = escape(str(reference.error_estimate.get("meaning", "")))
     facts = {
         "solution": reference.title,

@@ -35,7 +35,7 @@ _HEADROOM = 1.3  # of the largest reference pressure; higher peaks are cut and t
 
 
 def is_map(table: Table) -> bool:
-    """Whether there are too many panels for plots beside each other."""
+    """Return whether there are too many panels for separate plots."""
     algorithms, cases = _columns_and_rows(table.main)
     return len(algorithms) * len(cases) > PANELS
 
@@ -108,7 +108,7 @@ def pressures_in(table: Table, axes: Axes) -> Figure:
 
 
 def _case(row: Row, rows: Sequence[Row]) -> str:
-    """What tells the rows of panels apart."""
+    """Label of a row of panels."""
     choices = [varied_text(row.choices)] if row.choices else []
     if len({r.level for r in rows}) > 1:
         choices.append(f"level {row.level}")
@@ -186,7 +186,7 @@ def _mark_cut_peaks(
 
 
 PANELS = 12
-"""Plots that are drawn beside each other; more runs than that become a map."""
+"""Plots that are drawn as separate panels; more runs than that become a map."""
 _POINTS = 400
 FAR_ABOVE = 4.0  # times the median: peaks of chatter, which would leave all else dark
 
@@ -231,7 +231,7 @@ def _label(row: Row, rows: Sequence[Row]) -> str:
 
 
 def _range(profiles: Sequence[Profile]) -> tuple[float, float, float]:
-    """Where anything presses, and the largest pressure, or one that most runs stay below where peaks are far above."""
+    """Pressed range of x, and the largest pressure, or a bound for most runs if some peaks are far above it."""
     pressed = [p.x[p.value > 0.01 * p.value.max()] for p in profiles if np.any(p.value > 0.0)]
     if not pressed:
         return float(profiles[0].x[0]), float(profiles[0].x[-1]), 1.0

@@ -62,7 +62,7 @@ class _Bars(_Lines):
         self._bars.start()
 
     def say(self, text: str) -> None:
-        """Write beside the bar of all."""
+        """Write next to the overall progress bar."""
         self._bars.update(self._all, note=text)
 
     def begun(self, name: str) -> None:

@@ -1,4 +1,4 @@
-"""What a reader sees first of a single run: how it ended, peak pressure and force, steps, warnings."""
+"""Short report of a single run: status, peak pressure and force, steps, warnings."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from contactlab.run.attempts import Attempt
 from contactlab.studies.measure_run import driven_support
 
 MOST = 3
-"""Contacts that are listed; of more the one with the highest pressure."""
+"""Contacts that are listed; if there are more, only the contact with the highest pressure."""
 
 THE_END = "at the end"
 CLEARLY = 0.999

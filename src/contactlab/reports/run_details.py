@@ -158,7 +158,7 @@ def _cost_lines(cost: Mapping[str, Any]) -> Iterator[Line]:
 
 
 APART = 2.0
-"""Ratio of wall and CPU time from which on a word is due."""
+"""Ratio of wall and CPU time above which a note is printed."""
 
 
 def why_apart(cpu: float, wall: float) -> str:

@@ -1,4 +1,4 @@
-"""Lines of a plot: runs that differ in level and slave alone, what to call them, and how to tell them apart."""
+"""Lines of a plot: runs that differ in level and slave alone, their labels and styles."""
 
 from __future__ import annotations
 

@@ -37,7 +37,7 @@ USUAL = (
 )
 
 ESSENTIAL = ("pressure_error", "reaction_error", "cpu_s")
-"""Error and cost: the last to go where there is little room."""
+"""Error and cost: the last columns to go if there is little room."""
 
 _SHORT = {
     "reaction_against_pressure": "reaction\nvs pressure",
@@ -67,7 +67,7 @@ _RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def usual(table: Table) -> Sequence[str]:
-    """Names of the measures that the study asks for."""
+    """Names of the measures that the study requests."""
     return table.study.measures or USUAL
 
 
@@ -150,11 +150,11 @@ def _nothing_finished(table: Table) -> list[Text]:
     """The first thing to know if it is so: there is nothing to compare."""
     if any(row.complete for row in table.rows):
         return []
-    return [Text(f"not one of {len(table)} runs finished; the reasons are below the table", style="bold red")]
+    return [Text(f"none of {len(table)} runs finished; see the reasons below the table", style="bold red")]
 
 
 def failed_alike(table: Table) -> list[list[Row]]:
-    """Runs that did not finish, in groups whose statuses and reasons differ in numbers and advice alone."""
+    """Runs that did not finish, in groups with equal statuses and reasons up to numbers and advice."""
     groups: dict[tuple[str, str], list[Row]] = {}
     for row in table.failed:
         groups.setdefault((row.status, _NUMBER.sub("#", row.reason.partition("; try ")[0])), []).append(row)
@@ -162,7 +162,7 @@ def failed_alike(table: Table) -> list[list[Row]]:
 
 
 def failure(rows: Sequence[Row]) -> str:
-    """One sentence about runs that failed alike, with the reason of the first."""
+    """Sentence about runs that failed alike, with the reason of the first."""
     first = rows[0]
     if len(rows) == 1:
         return f"{_who(first)}, {first.status}: {first.reason}"
@@ -205,7 +205,7 @@ def _reference_note(table: Table) -> Text:
 
 
 def every_number(table: Table, width: int) -> RenderableType:
-    """A row per measure and a column per run, as many runs beside each other as fit."""
+    """A row per measure and a column per run, as many columns as fit."""
     return Group(*_beside(table, width), *_remarks(table))
 
 

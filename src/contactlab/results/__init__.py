@@ -1,1 +1,1 @@
-"""What a run gives back: frames, histories, summaries, and the files that keep them."""
+"""Results of a run: frames, histories, summaries, and the files that keep them."""

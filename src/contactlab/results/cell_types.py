@@ -12,7 +12,7 @@ from contactlab.api.frame import BodyLayout
 VTK_TYPE = {4: 9, 8: 23, 9: 28}
 """VTK cell type by number of nodes: quadrilateral, and its quadratic and biquadratic kin.
 
-Their node order is that of the contract: corners counter-clockwise, mid-sides, middle.
+The node order of the contract: corners counter-clockwise, mid-sides, middle.
 """
 
 

@@ -43,7 +43,7 @@ def angle_at_ends(curve: ContactCurve, master: Floats, segments: Ints) -> float:
 
 
 def _pressed(curve: ContactCurve, x: Floats) -> tuple[Ints, Ints, Floats]:
-    """Ends of chains that are pressed (e,), +1 or -1 to the node beside each (e,), and shares of the force (e,)."""
+    """Ends of chains that are pressed (e,), +1 or -1 to the next node of each (e,), and shares of the force (e,)."""
     same = np.diff(curve.chain) == 0
     length = np.where(same, np.hypot(*np.diff(x, axis=0).T), 0.0)
     force = curve.nodal_pressure * 0.5 * (np.append(length, 0.0) + np.insert(length, 0, 0.0))

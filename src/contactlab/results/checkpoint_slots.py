@@ -93,8 +93,8 @@ class Slots:
     def newest(self, frames: int, steps: int, events: int, salvage: bool = False) -> Checkpoint | None:
         """The newest whole checkpoint that needs no more than so many frames, steps and events.
 
-        Raises Damage where that which was written last is not as it was written; with `salvage` the older one serves.
-        A kill can only leave the older one half written.
+        Raises Damage if the checkpoint written last is damaged; with `salvage` the older checkpoint is used.
+        A kill can only leave the older checkpoint half written.
         """
         headers = [header[:] for header in self.headers]
         good = [bool(not header.any() or header[OWN] == of_array(header[:OWN])) for header in headers]

@@ -1,7 +1,7 @@
-"""Checksums of everything that a run stores, so that damage is told and not read as numbers.
+"""Checksums of everything that a run stores, so that damage is reported and not read as numbers.
 
-Rows of growing tables have one each, what is written once carries its own as an attribute. The headers of the file are
-checked by HDF5. Those of frames are in `frame_sums.py`, what a restart needs is in `checkpoint_slots.py`.
+Rows of growing tables have one each, data written once carries its own as an attribute. HDF5 checks the headers of the
+file. Checksums of frames are in `frame_sums.py`, those of restart data in `checkpoint_slots.py`.
 """
 
 from __future__ import annotations
@@ -55,12 +55,12 @@ def broken_seals(group: h5py.Group) -> list[str]:
 
 
 def is_sealed(dataset: h5py.Dataset) -> bool:
-    """Whether what was written once is as it was written."""
+    """Return whether a dataset that was written once is undamaged."""
     return SEAL in dataset.attrs and int(dataset.attrs[SEAL]) == int(seal_of(dataset))
 
 
 def sealed(group: h5py.Group, name: str) -> Any:
-    """Read a sealed dataset. Raises Damage where its checksum does not fit."""
+    """Read a sealed dataset. Raises Damage if its checksum does not fit."""
     dataset = group[name]
     if not is_sealed(dataset):
         raise Damage(f"{name} is damaged")

@@ -1,4 +1,4 @@
-"""What the slave nodes of a contact feel, put together from what its multipliers do."""
+"""Pressures, shear and states of the slave nodes of a contact, from its multipliers."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def per_node(pair: ContactPair, values: Floats) -> Floats:
 
 
 def between(pair: ContactPair, values: Floats) -> Floats:
-    """Values (m,) at nodes, with those of nodes that carry no multiplier as means of their neighbours."""
+    """Values (m,) at nodes; nodes without a multiplier get the mean of their neighbours."""
     inner, following, preceding = pair.between
     values[inner] = 0.5 * (values[following] + values[preceding])
     return values

@@ -1,4 +1,4 @@
-"""What one contact looks like at an instant: curve, resultant, penetration, violations."""
+"""Report of one contact at an instant: curve, resultant, penetration, violations."""
 
 from __future__ import annotations
 
@@ -52,9 +52,9 @@ class ContactReport:
     pressing: float = 0.0
 
     def force_error(self, integral: Floats) -> float:
-        """How far an integral of the tractions (2,) [N] is from the nodal forces, over them; 0 where they are none.
+        """Relative difference of an integral of tractions (2,) [N] from the nodal forces; 0 without forces.
 
-        Around a shaft forces balance: they are then measured by a tenth of their sum.
+        Around a shaft forces balance: the scale is then a tenth of their sum.
         """
         force = max(float(np.hypot(*self.resultant)), BALANCED * self.pressing)
         return float(np.hypot(*(self.resultant - integral))) / force if force > 0.0 else 0.0
@@ -119,14 +119,14 @@ def report_contact(pair: ContactPair, state: State, reference: Floats, position:
 
 
 def _remembered(pair: ContactPair, values: Floats) -> Floats:
-    """Memory (m,) of the slave nodes: of several multipliers of a node that of largest magnitude."""
+    """Memory (m,) of the slave nodes: of several multipliers of a node the value of largest magnitude."""
     slots = by_slot(pair, values)
     return between(pair, np.take_along_axis(slots, np.abs(slots).argmax(axis=0)[None], axis=0)[0])
 
 
 def _covered(pair: ContactPair, seen: ContactSnapshot) -> Floats:
     """Share (m,) of each node's length that its multiplier covers; of nodes without one it is not asked for."""
-    if np.size(pair.slave.nodes[pair.between[0]]):  # a multiplier's length is that of whole edges
+    if np.size(pair.slave.nodes[pair.between[0]]):  # a multiplier's length covers whole edges
         cover, full = (by_slot(pair, length).max(axis=0) for length in (seen.cover, pair.full))
         return np.asarray(np.divide(cover, full, out=np.zeros_like(cover), where=full > 0.0))
     lengths = np.zeros(len(pair.slave.nodes))
@@ -142,8 +142,8 @@ def _integral(
 ) -> Floats:
     """Force on the slave: pressure against the outward normal, shear along the chain.
 
-    With the covered `share` of nodes, tractions at pressed ends and vertices act along the contact's force there, as do
-    those of nodes beside them that bear no force: their multipliers belong to the vertex.
+    With the covered `share` of nodes, tractions at pressed ends and vertices act along the contact's force there, and
+    so do tractions of adjacent nodes without force: their multipliers belong to the vertex.
     """
     if share is None and pair.at_points and pair.slave.edges.shape[1] == 3:
         return _simpson(seen.at.slave[pair.slave.edges], pressure[pair.slave.edges], shear[pair.slave.edges])
@@ -201,8 +201,8 @@ class ArcLength(NamedTuple):
 def arc_length(positions: Floats, segments: Ints) -> ArcLength:
     """Arc length along the `segments` (s, 2) between `positions` (m, 2) [mm].
 
-    Each chain goes on where the one before it ends, so that s never falls from chain to chain. Chains that begin at a
-    free end come first, closed ones after them, each in the order of the nodes that they begin with.
+    Each chain continues where the previous chain ends, so that s never falls from chain to chain. Chains that begin at
+    a free end come first, closed chains after them, each in the order of the nodes that they begin with.
     """
     following = {int(a): int(b) for a, b in segments}
     free = sorted(following.keys() - following.values())

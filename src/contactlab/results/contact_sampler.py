@@ -84,7 +84,7 @@ def _columns(kind: np.dtype[Any]) -> dict[str, np.ndarray]:
 
 
 def _recorder_of(model: Model, pair: ContactPair, columns: dict[str, np.ndarray]) -> Callable[[int], None]:
-    """What fills a row of one contact from the model after a step."""
+    """Return a function that fills a row of one contact from the model after a step."""
     if not isinstance(pair, OperatorPair) or pair.algorithm.points_press:
         return _by_numpy(model, pair, columns)
     compiled, corners, curved = _compiled(model, pair, columns), pair.corners, pair.smooth is not None

@@ -18,7 +18,7 @@ from contactlab.results.stored_rows import Pieces, StoredRows, up_to
 from contactlab.results.thinned_table import ThinnedTable, pieces_of, thinning_of
 
 CHANGES = "contact_changes"
-"""Whether a state changed in a row of the record; it decides which rows stay, and is read for nothing else."""
+"""Column: whether a state changed in a row of the record; it only decides which rows are kept."""
 MEGABYTE = 1e6
 LEAST = 8  # rows
 ROOM = 1 << 18  # bytes by which the room of a table grows, at least
@@ -88,7 +88,7 @@ def sums_of(rows: np.ndarray) -> np.ndarray:
 
 
 def is_recorded(own: Any, layout: Layout) -> bool:
-    """Whether a file has a record of contact."""
+    """Return whether a file has a record of contact."""
     return bool(layout.contacts) and _name(layout.contacts[0]) in own
 
 

@@ -1,4 +1,4 @@
-"""What a run cost: times of its phases and of the parts in them, and memory."""
+"""Cost of a run: times of its phases and of the parts in them, and memory."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 CORE = "contactlab"
 SOUND = ("finished", "not-converged", "interrupted")
-"""Ends after which elements can be asked once more: in the others a part may have raised."""
+"""Ends of a run after which elements can be called again: in the others a part may have raised."""
 
 
 def cost_of(model: Model, clock: Clock, layout: Layout, status: str) -> dict[str, Any]:

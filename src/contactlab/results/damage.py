@@ -1,4 +1,4 @@
-"""What is said of a `results.vtkhdf` that is not as it was written."""
+"""Messages about a damaged `results.vtkhdf`."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from contactlab.results.result_file import FILE
 BROKEN = (
     Damage, OSError, LookupError, ValueError, TypeError, AttributeError, RuntimeError, MemoryError, OverflowError,
 )  # fmt: skip
-"""What reading a damaged file ends in: checksums of ours and of HDF5, and whatever wrong headers lead to."""
+"""Errors of reading a damaged file: our checksums, HDF5's, and errors from wrong headers."""
 
-TABLES = "history.csv, contact.csv and summary.json beside it are text and can be read without it"
+TABLES = "history.csv, contact.csv and summary.json in its folder are text and can be read without it"
 
 
 @contextmanager
@@ -40,11 +40,11 @@ def _what_is_left(folder: Path) -> str:
     try:
         left = load_results(folder, salvage=True)
     except RequestError:
-        return f"nothing in it can be read; {TABLES}"
+        return f"none of its content can be read; {TABLES}"
     state = f", its state at step {left.summary.get('steps')}" if left.restartable else ""
     return (
-        f"contactlab.load_results(folder, salvage=True) gives what is whole: {len(left.frames)} frames, "
-        f"{left.step_count} steps{state}; not {', '.join(left.lost) or 'what is named here'}; {TABLES}"
+        f"contactlab.load_results(folder, salvage=True) gives the undamaged data: {len(left.frames)} frames, "
+        f"{left.step_count} steps{state}; not {', '.join(left.lost) or 'the data named here'}; {TABLES}"
     )
 
 
@@ -84,4 +84,4 @@ def check_all(file: Any, layout: Layout, frames: int) -> None:
         whole = whole_frames(file, layout, StoredSums(file["contactlab"]), frames)
         lost = sorted(set(range(frames)) - set(whole))
         if lost:
-            raise Damage(f"{len(lost)} of {frames} frames are damaged, the first is number {lost[0]}")
+            raise Damage(f"{len(lost)} of {frames} frames are damaged, starting with number {lost[0]}")

@@ -19,16 +19,16 @@ def energies(model: Model) -> dict[str, float]:
     """Energies and works [mJ] since the start of the run, by name.
 
     kinetic   with velocities half a step back (explicit)
-    stored    strain energy of the laws that have one; nan if any law has none
-    plastic   dissipated by the laws, from their history
-    internal  work of the stresses, by the ledger: stored + plastic up to O(dt^2)
-    numerical by the ledger, and stored in modes that only an element's stabilisation resists; the latter's
-              work is booked with that of the stresses and taken out of `internal` here
+    stored    strain energy of the material models; NaN if any of them has none
+    plastic   dissipated by the material models, from their history
+    internal  work of the stresses, by the energy balance: stored + plastic up to O(dt^2)
+    numerical by the energy balance, and stored in modes that only an element's stabilisation resists; the latter's
+              work is booked with the work of the stresses and subtracted from `internal` here
     external, damping, contact, friction: as in `contactlab.api.WORK`
-    contact.PART: what `contact` consists of, see `contactlab.api.state.CONTACT_WORK`, where the scene asks for it
-    error     closure of the ledger over the largest energy in it
+    contact.PART: parts of `contact`, see `contactlab.api.state.CONTACT_WORK`, if the scene requests them
+    error     error of the energy balance over its largest energy
 
-    Works along a way that was not followed are nan: of a step that skips it both ends are known, and nothing between.
+    Works along a path that was not followed are NaN: if a step skips it, only both ends are known.
     """
     work = model.state["work"]
     kinetic = model.kinetic_energy() if "velocity" in model.state else 0.0
@@ -58,5 +58,5 @@ def energies(model: Model) -> dict[str, float]:
 
 
 def split_of(model: Model) -> WorkSplit | None:
-    """What splits the work of the model's contact, if anything does."""
+    """Return the split of the work of the model's contact, if it has one."""
     return getattr(model.contact, "split", None)

@@ -82,7 +82,7 @@ def _rows(group: h5py.Group, count: int | None) -> list[tuple[Event, int]]:
 def read_events(own: h5py.Group, count: int, salvage: bool = False) -> list[Event]:
     """Read the first `count` events of the group `contactlab`.
 
-    Raises Damage where one is not as it was written; with `salvage` such events are left out.
+    Raises Damage if one is damaged; with `salvage` such events are left out.
     """
     rows = _rows(own["events"], count)
     good = [event for event, known in rows if of_text(*_stored(event)) == known]

@@ -13,7 +13,7 @@ from contactlab.meshing.turns import facet_lengths, turns
 if TYPE_CHECKING:
     from contactlab.contact.pair import ContactPair
 
-KINK = 1e-3, 0.3  # rad: smaller turns are those of rounded coordinates, larger ones falsify pressures along one normal
+KINK = 1e-3, 0.3  # rad: smaller turns are rounded coordinates, larger ones falsify pressures along one normal
 
 
 def kinks(surface: Surface, reference: Floats) -> Flags:

@@ -20,7 +20,7 @@ ITERATIONS = "iterations.csv"
 class HistoryFile:
     """`history.csv`, a row per stored frame. While it is open, no other run may write to the folder.
 
-    Raises RequestError where another run has it open, or where nothing can be written.
+    Raises RequestError if another run has it open, or if nothing can be written.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -39,7 +39,7 @@ class HistoryFile:
             self.add(row)
 
     def add(self, row: Mapping[str, float]) -> None:
-        """Append a row; readers see it at once."""
+        """Append a row; readers see it immediately."""
         if self.writer is None:
             self.writer = csv.DictWriter(self.file, list(row))
             self.writer.writeheader()
@@ -61,7 +61,7 @@ class IterationFile:
         self.add(rows)
 
     def add(self, rows: Sequence[IterationRow]) -> None:
-        """Append rows; readers see them at once."""
+        """Append rows; readers see them immediately."""
         self.writer.writerows(rows)
         self.file.flush()
 
@@ -93,7 +93,7 @@ def _shortest(value: float) -> float | int:
 
 
 def write_scene(folder: Path, text: str) -> None:
-    """`scene.toml`, the scene as run. Raises RequestError where the folder cannot be written."""
+    """Write `scene.toml`, the scene as run. Raises RequestError if the folder cannot be written."""
     try:
         (folder / "scene.toml").write_text(text, encoding="utf-8")
     except OSError as error:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 ROUND_OFF = 1e-9  # of the largest motion
 COMPONENTS = ("x", "y", "magnitude")
 IN_TIME, QUASI_STATIC, THE_END_ONLY = "in time", "quasi-static", "the end only"
-"""What the history of a run shows, the entry `history.curve` of `summary.json`."""
+"""Force-displacement curve of a run, the entry `history.curve` of `summary.json`."""
 
 
 @dataclass(frozen=True)

@@ -36,12 +36,12 @@ class StoredSums:
         self.whole = [int(row[-1]) == of_array(row[:-1]) for row in self.table]
 
     def holds(self, number: int, name: str, content: np.ndarray) -> bool:
-        """Whether `content` is array `name` of frame `number` as it was written."""
+        """Return whether `content` is array `name` of frame `number` as it was written."""
         known = number < len(self.table) and self.whole[number]
         return known and int(self.table[number, self.place[name]]) == of_array(content)
 
     def check(self, number: int, name: str, content: np.ndarray) -> np.ndarray:
-        """`content`. Raises Damage where it is not as it was written."""
+        """Return `content`. Raises Damage if it is not as it was written."""
         if not self.holds(number, name, content):
             raise Damage(f"{name} of frame {number} is damaged")
         return content

@@ -22,7 +22,7 @@ LOOKED_AT = "f4"
 
 
 def write_grid(grid: h5py.Group, layout: Layout) -> None:
-    """What VTK reads once: version, topology, and the body of each cell."""
+    """Write the data that VTK reads once: version, topology, and the body of each cell."""
     grid.attrs["Version"] = np.array([2, 3], np.int64)
     kind = b"UnstructuredGrid"
     grid.attrs.create("Type", kind, dtype=h5py.string_dtype("ascii", len(kind)))
@@ -40,7 +40,7 @@ def write_grid(grid: h5py.Group, layout: Layout) -> None:
 
 
 def frame_bytes(layout: Layout) -> float:
-    """What `GridFile` writes for one frame [bytes]."""
+    """Size of a frame as `GridFile` writes it [bytes]."""
     nodes, cells = len(layout.nodes), sum(len(body.cells) for body in layout.bodies)
     vectors = 3 if layout.has_velocity else 2  # positions, displacements, velocities
     contact = 5 if layout.contacts else 0  # a pressure and a state

@@ -72,7 +72,7 @@ class GrowingFile:
             written(self.below.descriptor, values.reshape(-1).view(np.uint8).data, place)
 
     def flush(self) -> None:
-        """Make everything written so far what a reader sees, at once. Raises OSError where the disk is full."""
+        """Make all that was written so far visible to readers in one change. Raises OSError if the disk is full."""
         h5py.h5f.flush(self.file.id)
         self.below.commit()
 
@@ -100,7 +100,7 @@ class Column:
         if name not in group:
             chunk = (max(1, height * together), *(max(1, n) for n in shape))
             plist = early()
-            limits = (None, *(n or None for n in shape))  # chunks have to fit into them, those of empty rows as well
+            limits = (None, *(n or None for n in shape))  # chunks have to fit into them, also chunks of empty rows
             group.create_dataset(name, (0, *shape), maxshape=limits, dtype=dtype, chunks=chunk, dcpl=plist)
         # access to a dataset of which HDF5 keeps no chunks in memory
         uncached = h5py.h5p.create(h5py.h5p.DATASET_ACCESS)
@@ -151,7 +151,7 @@ class Column:
             self.dataset.id.write(h5py.h5s.create_simple(size), space, data)
 
     def _placed(self, begin: int, data: np.ndarray) -> bool:
-        """Write entries from `begin` on to their chunks; False where HDF5 has not said where one is."""
+        """Write entries from `begin` on to their chunks; False if HDF5 does not know the place of a chunk."""
         first, end = self.first, begin + len(data)
         for chunk in range(begin // first, -(-end // first)):
             if self.places[chunk] < 0:
@@ -186,7 +186,7 @@ class Number:
 
 
 def fixed(group: h5py.Group, name: str, shape: tuple[int, ...], dtype: Any) -> h5py.Dataset:
-    """A dataset of fixed size whose space is taken at once."""
+    """A dataset of fixed size whose space is allocated immediately."""
     plist = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
     plist.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
     return group.create_dataset(name, shape, dtype=dtype, dcpl=plist)

@@ -1,4 +1,4 @@
-"""What no run may break, by one function: a run warns by it at its end, and every cell of a matrix is judged by it."""
+"""Invariants that no run may break: a run warns by them at its end, and every cell of a matrix is judged by them."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from contactlab.results.sample import Sample
 
 ROUND = 1e-6  # of the largest: what tolerances of solvers and sums over many steps leave
-NO_STRAIN = 1e-7  # whose energy counts as none: that of smaller ones is round-off of load steps
-GIVES = 1e-8  # segments: a pull that moves surfaces by less is none; of slender bodies it may be 1e-4 of the force
+NO_STRAIN = 1e-7  # whose energy counts as zero: the energy of smaller strains is round-off of load steps
+GIVES = 1e-8  # segments: a pull that moves surfaces by less counts as zero; in slender bodies up to 1e-4 of the force
 EXACT = 1e-9  # of the largest: sums that are zero by construction
 UNLIKE = 0.01  # of the sum of magnitudes: what two half passes may differ by, as the pressures of the finest discs do
 STEPWISE = 0.02  # load steps: work between two of them is a trapezoid; steps that follow their loads keep 1e-3
@@ -35,10 +35,10 @@ PARTLY = 0.05  # multipliers beyond an edge of cover stand for less length than 
 SMALL_SHEAR = 0.05  # of the pressure: teeth of a smaller shear are judged by that
 NOTHING = 1e-12  # strain of the round-off of positions, as for reactions
 PLAIN = 1e-5  # of a contact force: what is left on nearly flat sides whose segments or tractions differ
-AT_ENDS = 1.1  # times the angle there: chords for arcs, and the master bends beside the end
+AT_ENDS = 1.1  # times the angle there: chords for arcs, and the master bends next to the end
 END_TURNS = 0.5  # of that angle at the end of a chain: linear multipliers take a quarter of it, constant ones a sixth
 TURNS = 4.0  # times the square of the angle between segments: an eighth of it for equal ones, more where lengths differ
-DEEP = 0.05  # segments: what weak conditions leave between nodes of different meshes, beside the depth of facets
+DEEP = 0.05  # segments: gap that weak conditions leave between non-matching nodes, in addition to the depth of facets
 SEEN = 5  # nodes: of three that came to rest one after the other each keeps the shear of its own moment
 SAW, SHEAR_SAW = 0.01, 0.05  # sound runs stay below 0.7 % and 4.1 %; a pressure that is wrong by some per cent has 2 %
 KEPT = 1e-3  # of the work of the stresses: forces are then off by less than that
@@ -49,12 +49,12 @@ MIRRORED = 1e-3  # of the largest displacement: contact that closes a step later
 
 @dataclass(frozen=True)
 class Invariant:
-    """One number that a run is judged by, at its last frame.
+    """A number that a run is judged by, at its last frame.
 
     name   in words, as in the tables
-    code   of the warning that is given where it is broken; `docs/warnings.md` lists all
+    code   of the warning that is given if it is broken; `docs/warnings.md` lists all
     where  "contacts.0", or "" for the whole run
-    value  what was seen, and `limit`: the largest that the method promises; inf where it promises nothing
+    value  result, and `limit`: the largest value that the method promises; inf if it promises nothing
     why    the reason of the limit
     """
 
@@ -67,25 +67,25 @@ class Invariant:
 
     @property
     def broken(self) -> bool:
-        """Whether the value lies beyond the limit; a value that is no number does."""
+        """Return whether the value exceeds the limit; NaN does."""
         return not self.value <= self.limit
 
     def as_data(self) -> dict[str, Any]:
-        """The same for `summary.json`, where a limit that is none is null."""
+        """Return the invariant for `summary.json`, with null for no limit."""
         return asdict(self) | {"limit": self.limit if math.isfinite(self.limit) else None}
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> Invariant:
-        """A row of `summary.json`; null stands for a value that is no number and for a limit that is none."""
+        """Read a row of `summary.json`; null stands for a value of NaN and for no limit."""
         value = math.nan if data["value"] is None else float(data["value"])
         limit = math.inf if data["limit"] is None else float(data["limit"])
         return cls(**{**data, "value": value, "limit": limit})
 
 
 def invariants(model: Model, sample: Sample, largest_force: float = 0.0) -> list[Invariant]:
-    """All that can be judged of a run at its last `sample`: energy, momenta, symmetry, and each contact by itself.
+    """All invariants of a run at its last `sample`: energy, momenta, symmetry, and each contact separately.
 
-    largest_force  [N] of the run, beside which forces at its end may be round-off
+    largest_force  [N] of the run, compared with which forces at its end may be round-off
     """
     scale = max(largest_force, force_of_strain(model, NOTHING))
     found = [*_energy(model, sample), *_momentum(model, scale), *_symmetry(model)]
@@ -102,17 +102,17 @@ def _energy(model: Model, sample: Sample) -> Iterator[Invariant]:
     energies = sample.energies
     known = ("internal", "external", "kinetic") if model.way_followed else ("kinetic",)
     odd = sum(not np.isfinite(energies[name]) for name in known)
-    yield Invariant("numbers that are not finite", "not-finite", "", float(odd), 0.0, "a finished run has none")
+    yield Invariant("values that are not finite", "not-finite", "", float(odd), 0.0, "a finished run has none")
     error = abs(energies["error"])
     felt = max(energies["kinetic"], np.abs(model.state["work"]).max()) > energy_of_strain(model, NO_STRAIN)
     if model.integrator.inertia:
         if not (model.explicit or felt):
             return  # steps that iterate end in equilibrium to the round-off of positions, which is all there is
-        why = "works and energies of one scheme add up, but for round-off over all steps"
+        why = "works and energies of the scheme balance up to round-off over all steps"
         yield Invariant("error of the energy ledger", "ledger", "", error, ROUND, why)
         return
     if model.way_followed and felt:
-        why = "the work of a load step is that of the mean of the forces at both its ends"
+        why = "the work of a load step uses the mean of the forces at both its ends"
         yield Invariant("error of the energy ledger", "ledger", "", error, STEPWISE, why)
     mismatch = reaction_mismatch(model)
     if np.isfinite(mismatch):
@@ -123,7 +123,7 @@ def _energy(model: Model, sample: Sample) -> Iterator[Invariant]:
 
 
 def _momentum(model: Model, scale: float) -> Iterator[Invariant]:
-    """Contact acts equally on both sides; and where nothing acts from outside, momenta are those of the start."""
+    """Judge momenta: contact acts equally on both sides, and without external forces momenta are constant."""
     if model.contact is not None:
         force, x = model.state["contact_force"], model.position
         total = float(np.hypot(*force.T).sum())
@@ -132,11 +132,11 @@ def _momentum(model: Model, scale: float) -> Iterator[Invariant]:
             torque = float((x[:, 0] * force[:, 1] - x[:, 1] * force[:, 0]).sum())
             yield Invariant(
                 "sum of all contact forces", "linear-momentum", "", float(np.hypot(*force.sum(axis=0))) / total,
-                *_balance(model, EXACT, "what pushes the slave pushes back on the master"),
+                *_balance(model, EXACT, "forces on slave and master are equal and opposite"),
             )  # fmt: skip
             yield Invariant(
                 "torque of all contact forces in segments", "angular-momentum", "", abs(torque) / arm, DEEP,
-                "forces act along the line between the surfaces, but for the gap that weak conditions leave",
+                "forces act along the line between the surfaces, except for the gap that weak conditions leave",
             )  # fmt: skip
     yield from _kept(model)
 
@@ -151,7 +151,7 @@ def _kept(model: Model) -> Iterator[Invariant]:
     for axis in {0, 1} - held:
         yield Invariant(
             f"change of the momentum along {'xy'[axis]}", "linear-momentum", "", float(change[axis] / scale),
-            *_balance(model, EXACT, "nothing acts from outside"),
+            *_balance(model, EXACT, "no external forces"),
         )  # fmt: skip
     if not held:
         arm = scale * float(np.ptp(model.reference, axis=0).max())
@@ -159,13 +159,13 @@ def _kept(model: Model) -> Iterator[Invariant]:
         yield Invariant(
             "change of the angular momentum", "angular-momentum", "", float(change[2] / arm),
             *_balance(
-                model, limit, "nothing acts from outside; steps that iterate promise it with consistent forces alone"
+                model, limit, "no external forces; steps that iterate promise it with consistent forces alone"
             ),
         )  # fmt: skip
 
 
 def _kept_by_steps(model: Model) -> bool:
-    """Whether steps that iterate keep angular momentum as exactly as they are solved."""
+    """Return whether steps that iterate conserve angular momentum as exactly as they are solved."""
     turn = all(body.material.kinematics != "small" for body in model.bodies)
     paired = model.contact is None or model.contact.consistent
     return turn and paired and model.state["work"][WORK.index("numerical")] == 0.0
@@ -196,15 +196,15 @@ def _symmetry(model: Model) -> Iterator[Invariant]:
 
 
 def _contact(model: Model, pair: ContactPair, report: ContactReport, scale: float) -> Iterator[Invariant]:
-    """What holds of one contact; `scale` [N] is the largest force of the run."""
+    """Judge one contact; `scale` [N] is the largest force of the run."""
     curve, largest, sharp = report.curve, report.largest, cusps(pair, model.reference)
     pull = max(0.0, report.cone_violation * largest - _unresolved(model, pair)) / max(largest, scale)
     yield Invariant(
         "pull of a contact node over the largest push", "contact-pull", pair.name, pull, max(ROUND, pair.lagged),
-        "nodal forces push and friction keeps its bound, but for residuals, of potentials those of lagged friction",
+        "nodal forces push and friction keeps its bound, up to residuals (for potentials, of lagged friction)",
     )  # fmt: skip
     if not largest > ROUND * scale:
-        return  # residuals of the solver, of which nothing holds
+        return  # residuals of the solver only
     if np.any(report.resultant):
         limit, why = _promised(pair, report)
         apart = report.force_error(report.covered_integral)
@@ -213,29 +213,29 @@ def _contact(model: Model, pair: ContactPair, report: ContactReport, scale: floa
     # the largest overlap of the start that counts as a gap of zero all the time
     distance = pair.start_distance
     overlap = 0.0 if distance is None else max(0.0, -float(distance.min(initial=0.0)))
-    # the deepest overlap that a pressure law of the scene asks for
+    # the deepest overlap that a pressure law of the scene implies
     pressed = report.curve.pressure > 0.0
     by_law = max(0.0, -float(np.nanmin(report.curve.gap[pressed], initial=0.0))) if _has_law(model) else 0.0
     allowed = DEEP + (pressed_depth(curve) + overlap + by_law) / pair.size
     yield Invariant(
         "largest penetration of either side in segments", "penetration", pair.name, depth, allowed,
-        "facets, overlaps of the start or of a pressure law, and what weak conditions leave between nodes",
+        "facets, overlaps of the start or of a pressure law, and gaps that weak conditions leave between nodes",
     )  # fmt: skip
     yield Invariant(
         "saw-tooth of the pressure", "pressure-saw", pair.name, pressure_saw(curve, sharp), SAW,
-        "a pressure that alternates from node to node is none of the bodies'",
+        "a pressure that alternates from node to node is a numerical error",
     )  # fmt: skip
     if np.any(curve.shear):
         least = SMALL_SHEAR * float(curve.pressure.max())
         teeth = saw_tooth(curve, curve.shear, sharp, least, fewest=SEEN)
         yield Invariant(
             "saw-tooth of the shear", "shear-saw", pair.name, teeth, SHEAR_SAW,
-            "a shear that alternates from node to node where all stick or all slip is none of the bodies'",
+            "a shear that alternates from node to node where all stick or all slip is a numerical error",
         )  # fmt: skip
 
 
 def _unresolved(model: Model, pair: ContactPair) -> float:
-    """Force [N] by which steps that iterate cannot tell whether a condition is closed."""
+    """Force [N] below which steps that iterate cannot decide whether a condition is closed."""
     conditions = getattr(model.contact, "conditions", None)
     if conditions is None:
         return 0.0
@@ -267,34 +267,34 @@ def _kept_overlap(model: Model, pair: ContactPair, sample: Sample) -> Iterator[I
         yield Invariant(
             "overlaps of pressed nodes times their forces over the work of the stresses", "kept-overlap", pair.name,
             sample.contacts[pair.name].kept_work / stored, KEPT,
-            "gaps jump where a segment comes within reach; forces that give no energy leave the overlap as it is",
+            "gaps jump if a segment comes within the search distance; forces without energy keep the overlap",
         )  # fmt: skip
 
 
 def _kept_by_springs(model: Model, pair: ContactPair, sample: Sample) -> Iterator[Invariant]:
-    """Overlaps and gaps of all contacts, as those in series add up, at the one that has most of them."""
+    """Judge overlaps and gaps of all contacts, which add up in series, at the contact that has most of them."""
     stored = sample.energies["stored"] + sample.energies["plastic"]
     if stored <= energy_of_strain(model, NOTHING):
         return
     kept = {name: report.kept_work for name, report in sample.contacts.items()}
     if pair.name == max(kept, key=lambda name: kept[name]):
         yield Invariant(
-            "work that would open all pressed nodes over that of the stresses", "kept-overlap", pair.name,
+            "work to open all pressed nodes over work of the stresses", "kept-overlap", pair.name,
             sum(kept.values()) / stored, GIVE,
-            "springs give way to the pressure, and bodies come nearer than they would under exact conditions",
+            "springs yield to the pressure, so bodies overlap more than under exact conditions",
         )  # fmt: skip
 
 
 def _has_law(model: Model) -> bool:
-    """Whether the scene says which pressure belongs to which gap."""
+    """Return whether the scene has a pressure law of the gap."""
     return model.contact is not None and hasattr(model.contact.enforcement, "law")
 
 
 def _promised(pair: ContactPair, report: ContactReport) -> tuple[float, str]:
-    """How far the integral of the pressure may be from the forces.
+    """Allowed difference between the integral of the pressure and the forces, and its reason.
 
-    Pressures act along each segment's normal, forces along averaged ones: apart by the square of the angle between
-    segments; at the end of a chain, where forces act along the master's normal, by the angle between both surfaces.
+    Pressures act along each segment's normal, forces along averaged normals: they differ by the square of the angle
+    between segments; at the end of a chain, where forces act along the master's normal, by the angle of the surfaces.
     """
     curve = report.curve
     angle = angle_at_ends(curve, pair.at.master, pair.master.segments)
@@ -303,7 +303,7 @@ def _promised(pair: ContactPair, report: ContactReport) -> tuple[float, str]:
     apart: Floats = report.pressure_integral - report.covered_integral
     differs = bool(np.hypot(*apart) > ROUND * np.hypot(*report.resultant))
     if np.any(np.isnan(curve.gap) & (curve.pressure != 0.0)) or differs:
-        return max(PARTLY, turn), "multipliers of segments that are covered in part are shown on whole ones"
+        return max(PARTLY, turn), "multipliers of partly covered segments are shown on whole segments"
     if pair.by_energy or not pair.method.passes_patch_test:
-        return max(SPREAD + angle, turn), "nodal forces act along normals of the master, or of both, at corners, too"
-    return turn, "of the same multipliers, along normals that differ by a segment's turn"
+        return max(SPREAD + angle, turn), "nodal forces act along normals of the master, or of both, also at corners"
+    return turn, "both use the same multipliers, but normals that differ by the turn of a segment"

@@ -1,4 +1,4 @@
-"""Result folders of runs, comparisons and matrices, with what tells them apart."""
+"""Result folders of runs, comparisons and matrices, with the data that distinguishes them."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from typing import Any
 from contactlab.scene.toml_text import read_toml
 
 KINDS = {"table.json": "comparison", "matrix.csv": "matrix", "accuracy.csv": "accuracy", "scene.toml": "run"}
-"""File that only a folder of this kind has; the first that is there counts."""
+"""File that only a folder of this kind has; the first that exists counts."""
 
 FINISHED = "finished"
 
 
 @dataclass(frozen=True)
 class Folder:
-    """One result folder.
+    """A result folder.
 
     date     of the last change, seconds since 1970
     scene    name of the scene or study
@@ -39,7 +39,7 @@ class Folder:
 
     @property
     def finished(self) -> bool:
-        """Whether everything in the folder finished."""
+        """Return whether everything in the folder finished."""
         done, of, total = self.status.partition(" of ")
         return done == total.partition(" ")[0] if of else self.status == FINISHED
 

@@ -1,4 +1,4 @@
-"""States after Newton's iterations, copied while a run goes on: displacements and gaps, as far as the budget goes."""
+"""States after Newton's iterations, copied during a run: displacements and gaps, as far as the budget allows."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class IterateSampler:
             self.waiting.append(Iterate(self.number, moved, _gaps(self.model)))
 
     def take(self, iterations: int) -> list[Iterate]:
-        """What was copied of an attempted step; none where its integrator told of other iterations than it made."""
+        """Return states of an attempted step; none if its integrator reported other iterations than it made."""
         some, self.waiting = self.waiting, []
         if self.number == iterations:
             return some
@@ -45,13 +45,13 @@ class IterateSampler:
         return []
 
     def thinned(self) -> str:
-        """What a reader of the run is told when iterations are left out for the first time; else empty."""
+        """Return a message when iterations are left out for the first time; else empty."""
         if self.told or self.number <= self.plan.sure:
             return ""
         self.told = True
         return (
-            f"from iteration {self.plan.sure} on displacements of some iterations are left out: they would be larger "
-            "than record.budget; record.from and record.to choose a window"
+            f"from iteration {self.plan.sure} on displacements of some iterations are left out, as they exceed "
+            "record.budget; choose a window by record.from and record.to"
         )
 
 

@@ -35,7 +35,7 @@ class IterateTable:
 
     @classmethod
     def there(cls, growing: GrowingFile, own: h5py.Group) -> IterateTable | None:
-        """That of a file which has one."""
+        """Open the table of a file; None if it has no table."""
         if GROUP not in own:
             return None
         group = own[GROUP]
@@ -73,7 +73,7 @@ class IterateTable:
 
 
 class StoredIterates(StoredSequence[Iterate]):
-    """Those of the first `iterations` iterations, each read when it is asked for; `salvage`: those that are whole."""
+    """States of the first `iterations` iterations, each read on access; with `salvage` only the undamaged ones."""
 
     def __init__(self, folder: Path, own: Any, iterations: int, salvage: bool = False) -> None:
         self.folder = folder
@@ -90,7 +90,7 @@ class StoredIterates(StoredSequence[Iterate]):
         return len(self.rows)
 
     def read(self, number: int) -> Iterate:
-        """State `number`. Raises RequestError where it is damaged."""
+        """Return state `number`. Raises RequestError if it is damaged."""
         with opened(self.folder) as file, damage_told(self.folder):
             return checked_iterate(file["contactlab"], self.rows[number])
 
@@ -103,7 +103,7 @@ class StoredIterates(StoredSequence[Iterate]):
 
 
 def checked_iterate(own: Any, row: int) -> Iterate:
-    """A row of the group. Raises Damage where it is not as it was written."""
+    """Read a row of the group. Raises Damage if it is not as it was written."""
     if (found := _whole(own[GROUP], row)) is None:
         raise Damage(f"row {row} of {GROUP} is damaged")
     return found

@@ -21,7 +21,7 @@ NUMBERS = IterationRow._fields[:-2]
 
 
 class IterationTable:
-    """The group `contactlab/iterations`: a row of numbers, a note and statuses each, in sight with `show`."""
+    """The group `contactlab/iterations`: a row of numbers, a note and contact states each, visible after `show`."""
 
     def __init__(self, growing: GrowingFile, own: h5py.Group) -> None:
         self.growing = growing
@@ -60,7 +60,7 @@ class IterationTable:
         return [self.numbers, self.notes, self.sums, *([self.statuses] if self.statuses is not None else [])]
 
     def _have_statuses(self, size: int) -> None:
-        """A column of statuses with as much room as the others; nothing in a row does not change its checksum."""
+        """Add a column of contact states as long as the others; empty rows do not change their checksums."""
         kind = f"S{max(WORD, -(-size // WORD) * WORD)}"
         self.statuses = Column(self.group, STATUSES, kind, 1, (), ROOM)
         if self.statuses.room < self.numbers.room:
@@ -82,7 +82,7 @@ class IterationTable:
 def read_iterations(own: h5py.Group, last_step: float, salvage: bool = False) -> list[IterationRow]:
     """Iterations of the steps up to `last_step` from the group `contactlab`; none in explicit runs.
 
-    Raises Damage where a row is not as it was written; with `salvage` such rows are left out.
+    Raises Damage if a row is not as it was written; with `salvage` such rows are left out.
     """
     if GROUP not in own:
         return []

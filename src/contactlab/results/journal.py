@@ -32,7 +32,7 @@ class Journal:
 
     `wanted` names the recordings that want every step's scalars ("steps"), the contact record ("contact_steps"), states
     after iterations ("iterates") and all of the last steps ("last_steps"); `window` says which steps the contact record
-    takes. With `past`, an interrupted run is taken up where it was saved. `share` is the fraction of the run that is
+    takes. With `past`, an interrupted run is resumed where it was saved. `share` is the fraction of the run that is
     done at a time [s].
     """
 
@@ -74,12 +74,12 @@ class Journal:
 
     @property
     def every_step(self) -> tuple[StepSample, ...]:
-        """What to call after each step, with the step and its length: nothing if no recorder wants anything."""
+        """Callbacks after each step, with the step and its length: none if no recorder wants anything."""
         return tuple(sampler.sample for sampler in self.samplers)
 
     @property
     def restartable(self) -> bool:
-        """Whether any recording keeps what a restart needs."""
+        """Return whether any recording keeps the data for a restart."""
         return any(recording.keeps_state for recording in self.recordings.values())
 
     @property
@@ -148,7 +148,7 @@ class Journal:
         self._tell("iterations", lambda recording: recording.iterations(rows))
 
     def iterates(self, some: list[Iterate]) -> None:
-        """Hand on states after iterations, whose rows are told already."""
+        """Hand on states after iterations, whose rows were passed already."""
         for name in self.wanted["iterates"] & self.recordings.keys() if some else ():
             self._one(name, "iterates", lambda recording: recording.iterates(some))
 
@@ -165,9 +165,9 @@ class Journal:
             self.history_file.close()
 
     def finish(self, summary: Mapping[str, Any]) -> Results:
-        """Close everything, write the last files and hand the results back.
+        """Close everything, write the last files and return the results.
 
-        A run whose last state finds no room on the disk has failed: it can be taken up there.
+        If the disk has no space for the last state, the run has failed: it can be resumed there.
         """
         full = self.full
         reasons = [why for s in self.samplers for why in self._quietly("steps", lambda _, s=s: s.flush())]  # type: ignore[misc]
@@ -239,7 +239,7 @@ class Journal:
             self._one(name, what, call)
 
     def _one(self, name: str, what: str, call: Callable[[Recording], None]) -> None:
-        """One call of one recording: a full disk stops the run whose state it keeps, any other fault this recorder."""
+        """Call one recording: a full disk stops the run if it keeps its state; other errors drop the recorder."""
         recording = self.recordings[name]
         try:
             if recording.keeps_state:
@@ -250,7 +250,7 @@ class Journal:
             raise
         except (Exception, SystemExit) as error:
             del self.recordings[name]
-            text = f"the recorder {name} failed in {what} and is left out from here on: {one_line(error)}"
+            text = f"the recorder {name} failed in {what} and is not used any more: {one_line(error)}"
             warnings.warn(text, ContactlabWarning, stacklevel=2)
             self.tell("warning", text)
 
@@ -263,12 +263,12 @@ class Journal:
             raise SimulationFailure(
                 "failed",
                 f"step {self.model.state.step}: {name} cannot write to {place}: "
-                f"{(error.strerror or str(error)).lower()}; what was stored stays readable, and the run can be "
-                "resumed when there is room",
+                f"{(error.strerror or str(error)).lower()}; stored data stays readable, and the run can be "
+                "resumed when there is space",
             ) from error
 
     def _quietly(self, what: str, call: Callable[[Recording], None]) -> list[str]:
-        """The last calls: why those recordings that keep the run's state could not; faults of others are told."""
+        """Make the last calls; return errors of recordings that keep the run's state, report errors of others."""
         reasons, known = [], self.full
         for name, recording in list(self.recordings.items()):
             try:
@@ -276,7 +276,7 @@ class Journal:
             except SimulationFailure as failure:
                 if recording.keeps_state:
                     reasons.append(failure.reason)
-                elif not known:  # that the disk is full is told once
+                elif not known:  # a full disk is reported once
                     warnings.warn(failure.reason, ContactlabWarning, stacklevel=2)
             except (Exception, SystemExit) as error:
                 warnings.warn(f"the recorder {name} failed in {what}: {error}", ContactlabWarning, stacklevel=2)

@@ -26,14 +26,14 @@ Writes = list[tuple[int, bytes]]
 
 
 def journal_of(path: Path) -> Path:
-    """Where the journal of a file is while the file is open, and after a kill."""
+    """Path of the journal of a file while the file is open, and after a kill."""
     return path.with_name(path.name + ".journal")
 
 
 class JournaledFile:
-    """What h5py takes for a file. `writes` and `size` are not on the disk before `commit`.
+    """File object for h5py. `writes` and `size` are not on the disk before `commit`.
 
-    A new file is written at once, since nobody reads it, until it has its name and `journal` is called.
+    A new file is written directly, since nobody reads it, until it has its name and `journal` is called.
     """
 
     def __init__(self, path: Path, flags: int, writes: Writes | None = None) -> None:
@@ -61,7 +61,7 @@ class JournaledFile:
 
     @classmethod
     def read_only(cls, path: Path) -> JournaledFile | None:
-        """A file with an unapplied journal read over it; None where it has none."""
+        """A file with an unapplied journal read over it; None if it has no journal."""
         left = read_journal(path)
         if left is None:
             return None
@@ -98,7 +98,7 @@ class JournaledFile:
                 journal_of(self.path).unlink(missing_ok=True)
 
     def _is_one_page(self) -> bool:
-        """Whether the change is one that the system makes at once."""
+        """Return whether the system makes the change atomically."""
         return len(self.writes) == 1 and self.writes[0][0] // 512 == (self.writes[0][0] + len(self.writes[0][1])) // 512
 
     def _reserve(self, present: int) -> None:
@@ -171,7 +171,7 @@ class JournaledFile:
 
 
 def read_journal(path: Path) -> tuple[Writes, int] | None:
-    """What a killed process was about to write, and the size that its file was to have; None where there is nothing."""
+    """Return the writes that a killed process was about to make and the size of its file; None if there are none."""
     try:
         with os.fdopen(os.open(journal_of(path), os.O_RDONLY | NO_LINK), "rb") as file:
             head = file.read(HEADER.size)
@@ -197,7 +197,7 @@ def _header(entries: bytes, size: int) -> bytes:
 
 
 def written(descriptor: int, data: bytes | memoryview, offset: int) -> None:
-    """Write all of `data`. Raises OSError where the disk takes no more."""
+    """Write all of `data`. Raises OSError if the disk is full."""
     view = memoryview(data)
     while view:
         count = os.pwrite(descriptor, view, offset)

@@ -1,6 +1,6 @@
-"""Where the last steps before a failure or a warning are stored whole: a file of their own below the run's.
+"""File with all fields of the last steps before a failure or a warning, in a folder below the run's.
 
-It is a `results.vtkhdf` like that of the run, with a frame for every step: whatever reads one reads the other.
+It is a `results.vtkhdf` like the run's file, with a frame for every step: the same readers read it.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ LAST = "last-steps"
 
 @contextmanager
 def last_steps_folder(run: Path, end: str) -> Iterator[Path]:
-    """An empty folder that gets its place below that of the run when everything is in it."""
+    """An empty folder that is moved below the folder of the run when everything is in it."""
     place, present = run / LAST / end, run / LAST / f"{end}.new"
     shutil.rmtree(present, ignore_errors=True)
     present.mkdir(parents=True)
@@ -35,7 +35,7 @@ def last_steps_folder(run: Path, end: str) -> Iterator[Path]:
 
 
 def has_last_steps(run: Path, end: str) -> bool:
-    """Whether the last steps before `end` are there."""
+    """Return whether the last steps before `end` are stored."""
     return (run / LAST / end / FILE).is_file()
 
 

@@ -13,10 +13,10 @@ from contactlab.results.checksums import sealed
 from contactlab.results.stored_text import read_text, write_text
 
 FORMAT = 4
-"""Of what the group `contactlab` of `results.vtkhdf` holds."""
+"""Layout data in the group `contactlab` of `results.vtkhdf`."""
 
 READ = (3, FORMAT)
-"""Formats that are read; 3 has texts of variable length."""
+"""Formats that are read; 3 has strings of variable length."""
 
 _SURFACES = ("slave_nodes", "slave_segments", "master_nodes", "master_segments")
 

@@ -39,11 +39,11 @@ T = TypeVar("T")
 
 @arguments(folder=NAME, salvage=bool)
 def load_results(folder: str | Path, salvage: bool = False) -> Results:
-    """The results of the run in `folder`, equal to what `simulate` gave back; as far as it went if it was killed.
+    """Load the results of the run in `folder`, equal to those of `simulate`; as far as it went if it was killed.
 
-    With `salvage` a damaged file gives all that is whole: frames, rows of tables and steps that are not are left out,
-    and `Results.lost` names what is missing. Raises RequestError where there is no readable `results.vtkhdf`, and,
-    without `salvage`, where something in it is not as it was written; frames and steps are checked when they are read.
+    With `salvage` a damaged file gives all undamaged data: damaged frames, rows of tables and steps are left out,
+    and `Results.lost` names what is missing. Raises RequestError if there is no readable `results.vtkhdf`, and,
+    without `salvage`, if something in it is damaged; frames and steps are checked when they are read.
     """
     folder = Path(folder)
     with opened(folder) as file:
@@ -52,7 +52,7 @@ def load_results(folder: str | Path, salvage: bool = False) -> Results:
                 return _Reader(file, folder, salvage).results()
             except BROKEN as problem:
                 raise RequestError(
-                    f"nothing in the file can be read: {one_line(problem)}", where=str(folder / FILE), hint=TABLES
+                    f"the file cannot be read: {one_line(problem)}", where=str(folder / FILE), hint=TABLES
                 ) from problem
         with damage_told(folder):
             return _Reader(file, folder).results()
@@ -61,7 +61,7 @@ def load_results(folder: str | Path, salvage: bool = False) -> Results:
 def load_checkpoint(folder: Path) -> tuple[Results, Checkpoint] | None:
     """The newest checkpoint in `folder` and the run up to it; None if nothing was saved before the run stopped.
 
-    Raises RequestError where anything up to there is damaged.
+    Raises RequestError if anything up to there is damaged.
     """
     with opened(folder) as file, damage_told(folder):
         reader = _Reader(file, folder)
@@ -77,7 +77,7 @@ def load_checkpoint(folder: Path) -> tuple[Results, Checkpoint] | None:
 
 
 class _Reader:
-    """One open file. With `salvage` what is damaged is left out, and `lost` tells of it."""
+    """Reader of an open file. With `salvage` damaged data is left out, and `lost` lists it."""
 
     def __init__(self, file: Any, folder: Path, salvage: bool = False) -> None:
         check_storage(file)
@@ -94,7 +94,7 @@ class _Reader:
         slots = self._or("the saved state", lambda: Slots.of(self.own), None)
         self.checkpoint = self._or("the saved state", lambda: self._newest(slots), None)
         saved = slots.serial if slots is not None else 0
-        # the summary of a run that was taken up again is that of an earlier end
+        # the summary of a run that was resumed belongs to an earlier end
         self.closed = "summary" in self.own and int(self.own["summary"].attrs.get("serial", saved)) >= saved
         self.sums = self._or("the frames", lambda: StoredSums(self.own), None) if self.frames else None
         self.numbers = self._numbers()
@@ -105,7 +105,7 @@ class _Reader:
         return slots.newest(self.frames, steps, self.events, self.salvage) if slots is not None else None
 
     def _or(self, what: str, read: Callable[[], T], otherwise: T) -> T:
-        """What `read` gives; `otherwise`, where that fails and only what is whole is wanted."""
+        """Return the result of `read`; with `salvage` `otherwise` if it fails."""
         if not self.salvage:
             return read()
         try:
@@ -173,7 +173,7 @@ class _Reader:
         return self._or("displacements of iterations", read, ())
 
     def _summary(self) -> dict[str, Any]:
-        """That of the end, or of the last checkpoint when there was no end."""
+        """Return the summary of the end, or of the last checkpoint if the run did not end."""
         if self.closed:
             text = read_text(self.own, "summary")
         elif self.checkpoint is not None and self.checkpoint.summary:
@@ -186,7 +186,7 @@ class _Reader:
         return summary
 
     def _unsaved_summary(self) -> dict[str, Any]:
-        """What can be said of a run that was killed before it saved its first state."""
+        """Return a summary of a run that was killed before it saved its first state."""
         return {
             "format": 1,
             "scene": self.layout.title,

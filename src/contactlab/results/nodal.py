@@ -23,7 +23,7 @@ def corners_of(cells: Ints) -> Ints:
 
 
 def nodal_values(position: Floats, cells: Ints, values: Floats) -> Floats:
-    """Values (N, k) at nodes from those of cells (n, k); NaN at nodes of no cell.
+    """Values (N, k) at nodes from values of cells (n, k); NaN at nodes of no cell.
 
     position (N, 2) of the nodes; cells (n, a) in these numbers, corners first (4, or 3 of triangles).
     """

@@ -1,8 +1,8 @@
-"""A `results.vtkhdf` to which nothing will be added any more, with its tables compressed.
+"""Final `results.vtkhdf` of a finished run, with its tables compressed.
 
-A file that grows is not compressed: what tells where compressed chunks lie changes with every row, and a killed process
-would leave it half written. When a run is over the whole file is copied once, and the copy
-takes its place when it is whole. What only a restart needs is left out.
+A growing file is not compressed: the index of compressed chunks changes with every row, and a killed process
+would leave it half written. When a run ends the whole file is copied once, and the complete copy replaces it.
+Data that only a restart needs is left out.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from contactlab.results.stored_text import write_text
 
 STATE = "/contactlab/checkpoint"
 KEPT = ("state.clock", "state.displacement", "state.velocity", "state.history.", "stress.")
-"""How names of arrays begin that `FinalFields` and readers of the last step ask for."""
-HEADERS = ("v110", "v110")  # an index of chunks takes some 100 bytes in place of 2000, and VTK reads them
+"""Prefixes of the arrays that `FinalFields` and readers of the last step use."""
+HEADERS = ("v110", "v110")  # an index of chunks takes some 100 bytes instead of 2000, and VTK reads them
 LEVEL = 6  # of gzip: 1 saves a fifth of the time and takes 6 % more
 SMALL = 512  # bytes of a table that is left in one piece: what describes compressed chunks would be larger
 CHUNK = 1 << 15  # numbers of a chunk of what had none
@@ -34,7 +34,7 @@ AT_ONCE = 3 << 18  # bytes of all chunks that a frame needs: HDF5 keeps 1 MiB of
 def pack(path: Path) -> None:
     """Compress the file at `path`, which nobody writes to.
 
-    Where there is no room for a copy it stays as it is.
+    If there is no space for a copy it stays as it is.
     """
     packed = path.with_name(path.name + ".packed")
     try:
@@ -48,7 +48,7 @@ def pack(path: Path) -> None:
 
 
 def _copy_group(old: h5py.Group, new: h5py.Group, places: dict[int, str]) -> None:
-    """Copy what is in a group; what has several names in the file, as `places` tell, gets them again."""
+    """Copy the content of a group; objects with several names in the file, listed in `places`, get them again."""
     _copy_attributes(old, new)
     for name in old:
         link = old.get(name, getlink=True)
@@ -73,7 +73,7 @@ def _copy_group(old: h5py.Group, new: h5py.Group, places: dict[int, str]) -> Non
 
 
 def _copy_state(old: h5py.Group, new: h5py.Group) -> bool:
-    """Of the newest saved state the fields of the end alone; False, and nothing, where it is not whole."""
+    """Copy the fields of the end from the newest saved state; return False, without a copy, if it is damaged."""
     slots, everything = Slots(old), np.iinfo(np.int64).max
     try:
         saved = slots.newest(everything, everything, everything)
@@ -84,7 +84,7 @@ def _copy_state(old: h5py.Group, new: h5py.Group) -> bool:
     kept = {name: array for name, array in saved.memory.items() if name.startswith(KEPT)}
     write_text(new, "arrays", json.dumps({name: list(array.shape) for name, array in kept.items()}))
     flat = np.concatenate([array.ravel() for array in kept.values()])
-    text = np.zeros(0, np.uint8)  # the summary of the end is beside it
+    text = np.zeros(0, np.uint8)  # the summary of the end is stored separately
     counts = np.array([slots.serial, saved.frames, saved.steps, saved.events, len(text)], np.int64)
     header = header_of(counts, flat, text)
     newest = max((0, 1), key=lambda slot: int(slots.headers[slot][SERIAL]))
@@ -107,9 +107,9 @@ def _copy_dataset(old: h5py.Dataset, new: h5py.Group, name: str) -> None:
 
 
 def _compressed(old: h5py.Dataset) -> Any:
-    """Creation properties: like bytes of numbers are put beside each other, in tables of frames those of all frames.
+    """Creation properties: bytes of equal rank are stored together, in tables of frames across all frames.
 
-    A filter `shuffle` does both. HDF5 sets the size by which it rearranges to that of a number, but of the first alone.
+    A filter `shuffle` does both. HDF5 sets its size to the size of a number, but for the first filter alone.
     """
     plist = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
     plist.set_shuffle()
@@ -121,7 +121,7 @@ def _compressed(old: h5py.Dataset) -> Any:
 
 
 def _chunks(old: h5py.Dataset) -> tuple[int, ...]:
-    """Chunks of one component each: like is then beside like. Those of several frames or blocks are one."""
+    """Chunks of one component each, so that similar data is contiguous, over several frames or blocks."""
     if old.chunks is None:
         return (min(old.shape[0], CHUNK), *old.shape[1:])
     if old.dtype.names is not None:

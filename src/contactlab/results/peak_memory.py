@@ -32,7 +32,7 @@ def _trim() -> None:
 
 
 def _status(key: str) -> float:
-    """A size that the system tells of this process [MiB]."""
+    """A size that the system reports for this process [MiB]."""
     (found,) = (line.split()[1] for line in _STATUS.read_text().splitlines() if line.startswith(f"{key}:"))
     return float(found) / 1024.0
 

@@ -1,7 +1,7 @@
 """Largest reaction of each support and largest pressure of each contact, with step and time.
 
-A peak may lie between stored frames: pressures are taken from the contact record as well, reactions of implicit runs
-from the scalars of every step. Explicit reactions are not: a velocity that is prescribed at once is a force m v / dt in
+A peak may lie between stored frames: pressures are also read from the contact record, reactions of implicit runs
+from the scalars of every step. Explicit reactions are not: a velocity prescribed without a ramp is a force m v / dt in
 the first step, and they ring from step to step.
 """
 
@@ -98,7 +98,7 @@ def _keep_force(found: dict[str, Peak], name: str, force: tuple[float, float], s
 
 
 def _keep(found: dict[str, Peak], name: str, value: float, step: int, time: float) -> bool:
-    """Keep a value that is larger than the one before, or as large and earlier."""
+    """Keep a value that is larger than the previous peak, or as large and earlier."""
     before = found.get(name)
     better = before is None or (value, -step) > (before["value"], -before["step"])
     if better:
@@ -109,7 +109,7 @@ def _keep(found: dict[str, Peak], name: str, value: float, step: int, time: floa
 def peak_force(summary: Mapping[str, Any], on: str) -> Peak | None:
     """The largest reaction of a support, or resultant of a contact; None if the run left none.
 
-    If only the final state is in equilibrium, what came before is no result: then that of the end.
+    If only the final state is in equilibrium, the force at the end is returned.
     """
     peaks = summary.get("peaks", {})
     contact = peaks.get("contacts", {}).get(on, {}).get("force")
@@ -135,7 +135,7 @@ def peak_pressure(summary: Mapping[str, Any], contact: str) -> Peak | None:
 
 
 def _finite(peak: Peak | None) -> Peak | None:
-    """The peak; None where its value is no number, as in a run that diverged."""
+    """The peak; None if its value is NaN, as in a run that diverged."""
     return None if peak is None or peak["value"] is None else peak
 
 

@@ -1,6 +1,6 @@
-"""How exactly fields of frames are stored: they are looked at, and what a restart needs is stored beside them.
+"""Precision of stored fields of frames: they are for viewing, a restart uses data that is stored separately.
 
-Digits that nobody sees are noise, and noise is what cannot be compressed.
+Digits that nobody sees are noise, and noise cannot be compressed.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""How far the forces of supports and loads are out of balance."""
+"""Imbalance of the forces of supports and loads."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def reaction_mismatch(model: Model, least: float = 0.0) -> float:
 
 
 def reaction_sum(model: Model) -> tuple[float, float]:
-    """|sum of all support reactions and loads| [N], nan where nothing is to be balanced, and the largest of them."""
+    """|sum of all support reactions and loads| [N], NaN if they need not balance, and the largest of them."""
     reactions = list(model.reactions().values())
     sizes = [float(np.hypot(*force)) for force in reactions]
     applied = np.zeros_like(model.reference)

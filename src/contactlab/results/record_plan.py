@@ -1,6 +1,6 @@
-"""Which steps a run's contact record takes, and which of Newton's iterations have their states stored.
+"""Plan of the steps in a run's contact record, and of Newton's iterations whose states are stored.
 
-Both are functions of a number alone, so that a run that is resumed takes the same ones.
+Both are functions of a number alone, so that a resumed run takes the same steps.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class Window:
 
     @classmethod
     def of(cls, record: Any, layout: Layout) -> Window | None:
-        """The window of the table `[record]`; None where nothing is recorded."""
+        """The window of the table `[record]`; None if nothing is recorded."""
         if not layout.contacts or not layout.budget:
             return None
         return cls(record.from_ or 1, record.to or math.inf, record.every or 1)
@@ -59,7 +59,7 @@ class IteratePlan:
 
     @classmethod
     def of(cls, layout: Layout, conditions: int) -> IteratePlan | None:
-        """The plan of a run; None where none is stored."""
+        """The plan of a run; None if no iterations are stored."""
         rows = int(layout.budget * MEGABYTE / iterate_bytes(layout, conditions))
         return cls(rows) if rows >= 4 else None
 

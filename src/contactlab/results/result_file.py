@@ -1,7 +1,7 @@
-"""What must be known of the file of results where nothing is stored: nobody imports HDF5 for a name."""
+"""Names of the file of results, without an import of HDF5."""
 
 from __future__ import annotations
 
 FILE = "results.vtkhdf"
 RESUMABLE = ("interrupted", "timed-out", "failed")
-"""A failed run is taken up where it was saved: what failed may be mended, a full disk say."""
+"""A failed run is resumed where it was saved: the cause may be repaired, such as a full disk."""

@@ -37,9 +37,9 @@ class ContactHistory:
 
     @property
     def steps(self) -> np.ndarray:
-        """What each slave node felt in every step that was kept: rows of `contactlab.api.contact_steps.contact_record`.
+        """Contact data of each slave node in every kept step: rows of `contactlab.api.contact_steps.contact_record`.
 
-        `steps["pressure"]` is (steps, m), `steps["step"]` (steps,); empty without files. Read anew at every call.
+        `steps["pressure"]` is (steps, m), `steps["step"]` (steps,); empty without files. Read again at every call.
         """
         blocks = list(self.step_source)
         return np.concatenate(blocks) if blocks else np.zeros(0, _NOTHING_RECORDED)
@@ -68,21 +68,21 @@ class Results:
     summary       the content of `summary.json` (see docs/scene-format.md)
     layout        bodies, contacts, parts and versions; what does not change in time
     history       columns of `history.csv` by name, each (frames,)
-    contact       per contact its stored curves, by "contacts.0" and by the contact's name
+    contact       stored curves of each contact, by "contacts.0" and by the contact's name
     displacement  (N, 2) [mm] and velocity (N, 2) [mm/s] ((0, 2) in statics) at the end
     stress        Cauchy stress of each body at the end, (n, q, 4) xx yy zz xy [MPa]
     internal_variables  of each body whose law has any, by name (n, q), at the end
-    events        what was worth a line: steps shortened, warnings when they came
-    iterations    every Newton iteration of implicit runs, those of steps taken back included
-    iterates      displacements and gaps after those iterations that were kept, read when asked for; empty without files
-    frames        every stored frame with its fields, read from `results.vtkhdf` when asked for; empty without files
+    events        log of the run: steps shortened, warnings when they came
+    iterations    every Newton iteration of implicit runs, also of rejected steps
+    iterates      displacements and gaps after the iterations that were kept, read on access; empty without files
+    frames        every stored frame with its fields, read from `results.vtkhdf` on access; empty without files
     last_steps    frames of every one of the last steps before a "failure" or the first "warning" of a guard, if any
     folder        where the files are, None if none were written
-    watched       what each watch found, by its name; of the run just made, not read back from files
-    lost          what of a damaged file could not be read, where only what is whole was asked for
-    closed        False where the files are those of a run that was killed, or still goes on
+    watched       findings of each watch, by its name; of the run just made, not read back from files
+    lost          data of a damaged file that could not be read, if it was loaded with `salvage`
+    closed        False if the files are from a run that was killed, or still goes on
 
-    The end is the last state that was saved: of a run without files, or one that finished, its last step.
+    The end is the last state that was saved: of a run without files, or a finished run, its last step.
     """
 
     summary: dict[str, Any]
@@ -120,12 +120,12 @@ class Results:
 
     @property
     def warnings(self) -> list[RunWarning]:
-        """What the run says against itself, with numbers; see docs/warnings.md."""
+        """Warnings of this run, each with its value and limit; see docs/warnings.md."""
         return [RunWarning.from_data(data) for data in self.summary.get("warnings", ())]
 
     @property
     def restartable(self) -> bool:
-        """Whether there is a last state with fields at every point."""
+        """Return whether there is a last state with fields at every point."""
         return bool(self.stress)
 
     @property
@@ -140,7 +140,7 @@ class Results:
 
     @property
     def steps(self) -> Mapping[str, Floats]:
-        """Scalars of every step by name, each (steps,); empty without files. Read anew at every call."""
+        """Scalars of every step by name, each (steps,); empty without files. Read again at every call."""
         blocks = list(self.step_blocks())
         values = np.concatenate(blocks) if blocks else np.zeros((0, 0))
         columns = {name: values[:, i] for i, name in enumerate(self.layout.steps)} if blocks else {}
@@ -162,9 +162,9 @@ class Results:
 
     @property
     def thinned(self) -> Mapping[str, Thinning]:
-        """What is left out of the scalars of `steps` and of the `contact` record because `record.budget` was used up.
+        """Thinning of the scalars of `steps` and of the `contact` record because `record.budget` was used up.
 
-        Of the steps up to `until` only each `stride`th is there, beside those in which a contact state changed.
+        Of the steps up to `until` only each `stride`th is there, and all in which a contact state changed.
         """
         return {name: Thinning(**values) for name, values in self.summary.get("thinned", {}).items()}
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Sample:
-    """What `history.csv` and the contact curves hold of one instant; no fields.
+    """Data of `history.csv` and of the contact curves at an instant; no fields.
 
     prescribed: mean displacement of each support [mm]; reactions: force (2,) [N] of each support on
     its body; contacts by "contacts.0"; sweeps: mean per step since the last sample; share: of the loading (statics) or

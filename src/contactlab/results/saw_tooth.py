@@ -1,4 +1,4 @@
-"""How much of a pressure alternates from node to node, and how deep the facets are that it acts on."""
+"""Node-to-node oscillation of a pressure, and depth of the facets that it acts on."""
 
 from __future__ import annotations
 
@@ -24,16 +24,15 @@ def saw_tooth(
     beside: int = 1,
     fewest: int = 3,
 ) -> float:
-    """What of `values` (m,) alternates where the surface is pressed, over their largest magnitude, or over `least`.
+    """Oscillation of `values` (m,) where the surface is pressed, over their largest magnitude, or over `least`.
 
-    Second differences of a smooth function have one sign from node to node, but for where it turns, and those of a
-    step change it once; those of a saw-tooth change it every time. So the smallest of three neighbours of alternating
-    sign counts, a quarter of which is the height of the teeth; root of the mean square over the nodes that are looked
-    at: those with pressed neighbours of their own state, so many `beside` on either side. Kinks between sticking and
-    slipping nodes count for nothing. A cusp of the exact pressure looks like a tooth: nodes beside one of the `cusps`
-    (m,) count for nothing either. `fewest`: nodes that have to be looked at to speak of teeth; with three, one differs.
-    Nodes that alone are pressed, between pressed ones two or three nodes off or evenly spaced, are teeth by half of
-    their value.
+    Second differences of a smooth function keep their sign from node to node, except at inflections; at a step they
+    change it once, in a saw-tooth every time. So the smallest of three neighbours of alternating sign counts, a quarter
+    of which is the height of the teeth; the result is the root mean square over the nodes that are checked: nodes with
+    pressed neighbours of their own state, `beside` many on each side. Kinks between sticking and slipping nodes do not
+    count. A cusp of the exact pressure looks like a tooth: nodes next to one of the `cusps` (m,) do not count either.
+    `fewest`: nodes that must be checked to speak of teeth; with three, one differs. Isolated pressed nodes, between
+    pressed nodes two or three nodes off or evenly spaced, are teeth of half their value.
     """
     largest = max(float(np.abs(values).max(initial=0.0)), least)
     if largest == 0.0:
@@ -65,7 +64,7 @@ def _alone(curve: ContactCurve) -> Ints:
 
 
 def _inner(curve: ContactCurve, cusps: Flags | None, beside: int) -> Ints:
-    """Pressed nodes with so many of the same state and chain `beside` them, and no cusp among these."""
+    """Pressed nodes with `beside` many neighbours of the same state and chain on each side, without cusps."""
     state = np.where(curve.nodal_pressure > 0.0, curve.state, 0)
     same = (state[:-1] == state[1:]) & (curve.chain[:-1] == curve.chain[1:]) & (state[1:] > 0)
     if cusps is not None:
@@ -77,9 +76,9 @@ def _inner(curve: ContactCurve, cusps: Flags | None, beside: int) -> Ints:
 
 
 def largest_turn(curve: ContactCurve) -> float:
-    """Largest angle [rad] between deformed segments at a pressed node or one beside it.
+    """Largest angle [rad] between deformed segments at a pressed node or its neighbours.
 
-    The pressure of a node lies on both segments beside it: one node that is pressed alone tells nothing of how much
+    The pressure of a node lies on both adjacent segments: the angle at a single pressed node does not include how much
     these lean.
     """
     pressed = np.flatnonzero(curve.nodal_pressure > 0.0)
@@ -88,7 +87,7 @@ def largest_turn(curve: ContactCurve) -> float:
 
 
 def pressed_depth(curve: ContactCurve) -> float:
-    """Largest depth [mm] of the deformed facets beside pressed nodes: length times angle over 8. Corners are none."""
+    """Largest depth [mm] of the deformed facets next to pressed nodes, length times angle over 8, without corners."""
     angle, length = _turns(curve, np.asarray(np.flatnonzero(curve.nodal_pressure > 0.0), np.int32))
     return float(np.where(angle < CORNER, angle * length / 8.0, 0.0).max(initial=0.0))
 

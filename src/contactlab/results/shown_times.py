@@ -1,9 +1,8 @@
-"""The times of the frames as VTK sees them: one more at once, or not at all.
+"""The times of the frames as VTK sees them, updated atomically.
 
-VTK takes the number of frames from an attribute and their times from an array, and wants one to be as long as the
-other: a time that is missing it reads as 0, one too many it writes beyond its memory. Both cannot be changed in one
-write. So there are two groups that share all else; the one that is not looked at is brought up to date and written out,
-and then a single link changes over.
+VTK takes the number of frames from an attribute and their times from an array, and needs both to agree: it reads a
+missing time as 0, and writes a surplus time beyond its memory. Both cannot be changed in one write. So there are two
+groups that share all else; the hidden group is updated and written out, and then a single link changes over.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ _GROUPS = ("contactlab/frames/0", "contactlab/frames/1")
 
 
 def create_times(file: h5py.File) -> h5py.Group:
-    """Both groups, and `VTKHDF/Steps` as the one that is shown. Gives the first; `ShownTimes` fills both."""
+    """Create both groups, with `VTKHDF/Steps` as the visible group; return the first. `ShownTimes` fills both."""
     for name in _GROUPS:
         group = file.create_group(name)
         group.attrs["NSteps"] = np.int64(0)

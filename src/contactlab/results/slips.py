@@ -12,13 +12,13 @@ if TYPE_CHECKING:
 
 
 def slips_of(model: Model) -> Floats:
-    """Slip (k,) [mm] of all multipliers: what the rows predicted, and what the forces of the step changed of it.
+    """Slip (k,) [mm] of all multipliers: prediction of the rows, plus the change by the forces of the step.
 
-    Raises LookupError where the model's contact has no rows with slips.
+    Raises LookupError if the model's contact has no rows with slips.
     """
     rows = getattr(model.contact, "rows", None)
     if rows is None or not len(rows.slip):
-        raise LookupError("slips are known to explicit runs with friction alone")
+        raise LookupError("slips exist only in explicit runs with friction")
     from contactlab.contact.explicit_system import slips
 
     contact = cast("ContactSystem", model.contact)

@@ -12,14 +12,14 @@ step's stresses and forces and of its contact [s]."""
 
 CHANGED = "changed"
 CONTACT = ("active", "sticking", "penetration", CHANGED)
-"""Of each contact: conditions with a force, sticking ones, how deep the worst one is violated at the end of the
-step [mm]: zero up to the solver's tolerance where multipliers are exact (`max_penetration` of stored frames
+"""Columns of each contact: conditions with a force, sticking conditions, largest violation at the end of the
+step [mm]: zero up to the solver's tolerance if multipliers are exact (`max_penetration` of stored frames
 is geometric: nodes and segment middles of either side), and how many conditions changed between open, stick and slip
 in the step."""
 
 
 def step_columns(supports: Sequence[str], contacts: Sequence[str], contact_work: bool = False) -> tuple[str, ...]:
-    """Columns of a model with these supports and contacts; with `contact_work` that of contact by its parts."""
+    """Columns of a model with these supports and contacts; with `contact_work` the work of contact by its parts."""
     energies = tuple(f"energy.{name}" for name in ("kinetic", *WORK))
     reactions = tuple(f"{on}.{component}" for on in supports for component in ("fx", "fy"))
     of_contacts = tuple(f"{name}.{what}" for name in contacts for what in CONTACT)

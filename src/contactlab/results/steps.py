@@ -105,7 +105,7 @@ def _with_rows(sampler: StepSampler, model: Model) -> Sample:
 
     def sample(step: Step, dt: float) -> None:
         nonlocal elements, solving, rows, factored, bound_rows, rows_address
-        if contact.rows is not rows or contact.factored is not factored:  # they were made anew with more room
+        if contact.rows is not rows or contact.factored is not factored:  # they were reallocated with more room
             rows, factored = contact.rows, contact.factored
             bound_rows = _bound_rows(sampler, model, contact)
             rows_address = bound_rows.address

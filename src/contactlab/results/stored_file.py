@@ -45,7 +45,7 @@ def check_storage(file: Any) -> None:
 
 
 def opened(folder: Path) -> Any:
-    """The file in `folder`, open for reading. Raises RequestError where that is not possible."""
+    """The file in `folder`, open for reading. Raises RequestError if that is not possible."""
     import h5py
 
     path = folder / FILE
@@ -69,7 +69,7 @@ def opened(folder: Path) -> Any:
     except Foreign as problem:
         file.close()
         raise RequestError(
-            f"the file is refused: {problem}", where=str(path), allowed="a file that holds all of the run itself"
+            f"the file is refused: {problem}", where=str(path), allowed="a file that contains all data of the run"
         ) from problem
     except BROKEN:
         ours = False
@@ -85,6 +85,6 @@ def opened(folder: Path) -> Any:
             where=str(path),
             got=f"format {version}",
             allowed=f"format {' or '.join(map(str, READ))}",
-            hint="read it with the version in its summary.json, or make the run again from its scene.toml",
+            hint="read it with the version in its summary.json, or repeat the run from its scene.toml",
         )
     return file

@@ -1,4 +1,4 @@
-"""Stored frames, read one by one when they are asked for."""
+"""Stored frames, each read on access."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from contactlab.results.stored_text import read_columns
 
 
 class _Datasets:
-    """Datasets of an open file that stay open: HDF5 then keeps what it has decompressed, of several frames at once."""
+    """Datasets of an open file that stay open: HDF5 then caches decompressed data of several frames."""
 
     def __init__(self, file: Any) -> None:
         self.file = file
@@ -37,7 +37,7 @@ class _Datasets:
 
 
 class StoredFrames(StoredSequence[Frame]):
-    """The stored frames of a run with these numbers, each read from the file when it is asked for."""
+    """The stored frames of a run with these numbers, each read from the file on access."""
 
     def __init__(self, folder: Path, layout: Layout, numbers: Sequence[int]) -> None:
         self.folder, self.layout, self.numbers = folder, layout, numbers
@@ -47,7 +47,7 @@ class StoredFrames(StoredSequence[Frame]):
         return self.total
 
     def read(self, number: int) -> Frame:
-        """Frame `number`. Raises RequestError where it is damaged."""
+        """Return frame `number`. Raises RequestError if it is damaged."""
         with opened(self.folder) as file, damage_told(self.folder):
             return self._read(_Datasets(file), StoredSums(file["contactlab"]), self.numbers[number])
 

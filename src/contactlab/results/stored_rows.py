@@ -1,4 +1,4 @@
-"""Rows of steps in `results.vtkhdf`, read in blocks when they are asked for, each row with its checksum."""
+"""Rows of steps in `results.vtkhdf`, read in blocks on access, each row with its checksum."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from contactlab.results.damage import BROKEN, damage_told
 from contactlab.results.stored_file import opened
 from contactlab.results.stored_sequence import StoredSequence
 
-AT_ONCE = 1 << 24  # bytes that are read at once
+AT_ONCE = 1 << 24  # bytes of a read
 
 Pieces = Sequence[tuple[int, int]]
 """Ranges of rows, one after the other."""
@@ -51,7 +51,7 @@ class StoredRows(StoredSequence[np.ndarray]):
         return len(self.blocks)
 
     def read(self, number: int) -> np.ndarray:
-        """Block `number`. Raises RequestError where it is damaged."""
+        """Return block `number`. Raises RequestError if it is damaged."""
         with opened(self.folder) as file:
             own, block = file["contactlab"], self.blocks[number]
             if not self.salvage:
@@ -82,7 +82,7 @@ class StoredRows(StoredSequence[np.ndarray]):
 
 
 def blocks_of(pieces: Pieces, row: int) -> Iterable[tuple[int, int]]:
-    """Ranges that can be read at once, of rows of so many bytes."""
+    """Split into ranges of one read each, for rows of `row` bytes."""
     rows = max(1, AT_ONCE // max(1, row))
     for begin, end in pieces:
         for first in range(begin, end, rows):

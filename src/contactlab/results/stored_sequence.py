@@ -1,4 +1,4 @@
-"""Sequences whose items are in a file, each read when it is asked for."""
+"""Sequences whose items are in a file, each read on access."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ T = TypeVar("T")
 
 
 class StoredSequence(Sequence[T], Generic[T]):
-    """What lists do with numbers and slices; `read` has one item, and `__len__` how many there are."""
+    """Indexing and slicing like lists; subclasses give `read` of one item, and `__len__`."""
 
     @abstractmethod
     def read(self, number: int) -> T:
-        """Item `number`, which is not negative. Raises RequestError where it is damaged."""
+        """Return item `number`, which is not negative. Raises RequestError if it is damaged."""
 
     @overload
     def __getitem__(self, number: int) -> T: ...
     @overload
     def __getitem__(self, number: slice) -> list[T]: ...
     def __getitem__(self, number: int | slice) -> T | list[T]:
-        """One item, negative numbers from the end, or several. Raises IndexError, and what `read` raises."""
+        """Return an item, negative numbers from the end, or several. Raises IndexError, and errors of `read`."""
         if isinstance(number, slice):
             return [self.read(k) for k in range(*number.indices(len(self)))]
         if not -len(self) <= number < len(self):

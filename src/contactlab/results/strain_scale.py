@@ -1,4 +1,4 @@
-"""What force and energy a strain means in a scene of its size and stiffness: below that of round-off there is none."""
+"""Force and energy of a strain in a scene of given size and stiffness: below the round-off strain they are zero."""
 
 from __future__ import annotations
 

@@ -27,10 +27,10 @@ FORMAT = 1
 
 @dataclass
 class Clock:
-    """Where the time of a run goes [s]; `before` is the cost of the parts of a run that was interrupted.
+    """Times of a run by phase [s]; `before` is the cost of the parts of a run that was interrupted.
 
-    `arrays_mib` is what the run's arrays hold, and `elements` where their time goes: to look at all of them costs more
-    than to save them, so it is done when the run begins and again at its end (`None` asks for it).
+    `arrays_mib` is the size of the run's arrays, and `elements` the times of elements: to measure all of them costs
+    more than to save them, so it is done when the run begins and again at its end (`None` requests it).
     """
 
     build_s: float = 0.0
@@ -122,7 +122,7 @@ def summarise(
 
 
 def curve_of(model: Model) -> str:
-    """What stored states are on the way to the end: of a motion in time, in equilibrium, or no way at all."""
+    """Kind of the stored states before the end: a motion in time, equilibria, or neither."""
     if model.history.motion:
         return IN_TIME
     return QUASI_STATIC if model.way_followed and model.timing.follows else THE_END_ONLY
@@ -151,7 +151,7 @@ def _ends(values: Floats) -> dict[str, float]:
 
 
 def _derived(model: Model, name: str) -> dict[str, Any]:
-    """What implicit contact derived from the bodies: least and largest stiffness of a condition [N/mm].
+    """Values that implicit contact derived from the bodies: least and largest stiffness of a condition [N/mm].
 
     Potentials set no conditions: nothing has to be zero where they push.
     """
@@ -167,7 +167,7 @@ def _derived(model: Model, name: str) -> dict[str, Any]:
 
 
 def _start(model: Model, name: str) -> dict[str, Any]:
-    """What was done about gaps of the start [mm]: least and largest that count as zero, overlap by facets, opening."""
+    """Treatment of initial gaps [mm]: least and largest that count as zero, overlap by facets, opening."""
     for pair in model.contact.pairs if model.contact is not None else ():
         if pair.name == name and (start := pair.start_gaps) is not None:
             if start.lasting:

@@ -16,8 +16,8 @@ from contactlab.results.growing import Column, GrowingFile, Number
 
 AT_ONCE = 2**20  # bytes of rows that are moved together
 NUMBERS = ("hole_begin", "hole_end", "thinned_at", "said_at", *Thinning._fields)
-"""Attributes beside `count`, eight in all, as for more HDF5 has no checksum: rows from hole_begin to hole_end are none
-while others are moved; the steps at which rows were last left out, and at which more of them were."""
+"""Attributes in addition to `count`, eight in all, as HDF5 has no checksum for more: rows from hole_begin to hole_end
+are invalid while others are moved; the steps at which rows were last left out, and at which more of them were."""
 
 Looked = tuple[np.ndarray, np.ndarray]
 """Numbers of steps (n,), and in which of them a contact state changed (n,)."""
@@ -50,12 +50,12 @@ class ThinnedTable:
 
     @property
     def thinning(self) -> Thinning:
-        """What is left out by now."""
+        """Thinning of the table so far."""
         return Thinning(*(self.numbers[name].value for name in Thinning._fields))
 
     @property
     def sparser_at(self) -> int:
-        """The step at which it was last decided to leave out more, 0 where it was not."""
+        """The step at which it was last decided to leave out more, 0 if never."""
         at = self.numbers["said_at"].value
         return 0 if self.again and at == self.numbers["thinned_at"].value else at
 
@@ -83,7 +83,7 @@ class ThinnedTable:
 
     @property
     def last_step(self) -> int:
-        """Number of the last step, 0 where there is none."""
+        """Number of the last step, 0 if there is none."""
         return int(self.look(self.count - 1, self.count)[0][0]) if self.count else 0
 
     def show(self) -> None:
@@ -157,5 +157,5 @@ def pieces_of(owner: Any) -> list[tuple[int, int]]:
 
 
 def thinning_of(owner: Any) -> Thinning:
-    """What was left out of a stored table."""
+    """Return the thinning of a stored table."""
     return Thinning(*(int(owner.attrs.get(name, value)) for name, value in Thinning()._asdict().items()))

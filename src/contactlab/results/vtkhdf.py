@@ -41,10 +41,10 @@ from contactlab.results.thinned_table import ThinnedTable
 
 KEPT = {"steps": "the scalars of steps", "contact": "the contact record"}
 SHARE = 4.0  # of the budget of the contact record is for the scalars of steps: a million of the usual ones
-SPARE_FRAMES = 4  # room beside the frames that the scene asks for; runs that settle go on a little
+SPARE_FRAMES = 4  # room in addition to the frames of the scene; runs that settle last a little longer
 STEP_ROWS = 1024  # steps by which their room grows, at least, and of a chunk: HDF5 keeps some 400 B of each in memory
-METADATA = 350_000.0  # bytes of a file beside its numbers, as measured: some 60 datasets and what is set aside for them
-FRAME_METADATA = 1200.0  # and of a frame: each dataset tells where its chunk is
+METADATA = 350_000.0  # bytes of a file besides its numbers, measured: some 60 datasets and the space reserved for them
+FRAME_METADATA = 1200.0  # and of a frame: each dataset has an index of its chunks
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class VtkHdf(Recorder):
 
 
 class VtkHdfRecording(Recording):
-    """One open file. Steps and iterations come into sight with the next frame, and a frame at once."""
+    """Recording to an open file. Steps and iterations become visible with the next frame, a frame immediately."""
 
     keeps_state: ClassVar[bool] = True
 
@@ -172,7 +172,7 @@ class VtkHdfRecording(Recording):
             pack(folder / FILE)
 
     def news(self) -> Sequence[str]:
-        """What is left out since the frame before, because the budget is used up."""
+        """Messages on data left out since the frame before, because the budget is used up."""
         before, present = self.frame_steps
         return [
             f"record.budget is used up: of {KEPT[name]} {table.thinning}"
@@ -181,7 +181,7 @@ class VtkHdfRecording(Recording):
         ]
 
     def facts(self) -> Mapping[str, Any]:
-        """What is left out."""
+        """Thinning of each table, for the summary."""
         thinned = {name: table.thinning.as_data() for name, table in self._thinned().items() if table.sparser_at}
         return {"thinned": thinned} if thinned else {}
 

@@ -20,7 +20,6 @@ IN_A_STEP = 6  # iterations of a step, for an estimate of what their states take
 
 def iterate_plan(model: Model, layout: Layout) -> IteratePlan | None:
     """Return which iterations are kept; None if there are none, or no room for any."""
-
     return IteratePlan.of(layout, model.shown_conditions) if isinstance(model, ImplicitModel) else None
 
 

@@ -94,7 +94,6 @@ class StabilisedSteps:
                 f"load steps (limit {MUCH:.0%}): bodies jumped there along a path set by viscous forces, and results "
                 "that depend on the path are not exact; take more integrator.steps, or implicit-dynamics, which "
                 "follows the jump",
-
             )  # fmt: skip
 
     def saved(self) -> Floats:

@@ -122,7 +122,7 @@ def test_a_page_that_is_not_whole_says_what_is_to_come() -> None:
     found = first(1)
     points = [Point(p.case, p.contender, p.slave, p.level, WAITING, "not run yet") for p in found.points[1:]]
     text = page(evaluate(replace(found, points=[found.points[0], *points])), {}, {})
-    assert "120 points: 1 finished. 119 points are still to come: load the page again" in text
+    assert "120 points: 1 finished. 119 points are still to come: reload the page" in text
 
 
 def test_a_point_leads_to_the_page_of_its_run(folder: Path) -> None:

@@ -81,7 +81,7 @@ class TestResults:
 
     def test_a_run_that_left_nothing_says_so(self, results: Results) -> None:
         nothing = Results(**{**vars(results), "frames": (), "stress": {}})
-        assert "no picture: the run stored nothing" in nothing._repr_html_()
+        assert "no picture: the run stored no fields" in nothing._repr_html_()
 
     def test_fields_by_their_definition(self, results: Results) -> None:
         """Pressure is minus the mean of the normal stresses; displacements of a cell are those of its corners."""

@@ -127,4 +127,4 @@ def test_a_comparison_of_which_nothing_is_left_still_has_a_page(table: Table) ->
     found.feed(page(empty, draw(empty)))
     assert found.open == []
     assert sum("gone" in text for text in found.runs) == len(table)
-    assert "There is no pressure error: no pressure." in " ".join(found.texts)
+    assert "Pressure error not computed: no pressure." in " ".join(found.texts)

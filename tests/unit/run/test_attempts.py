@@ -70,13 +70,11 @@ def test_what_explains_or_chooses_takes_the_integrator_that_the_run_begins_with(
     first, order = first_that_fits(scene(), scene().registry)
     assert first.integrator["use"] == "newton"
     said = explain(first, first.registry, attempts=order).scene.integrator
-    assert said == "auto: newton, then implicit-dynamics, central-difference if it comes short"
+    assert said == "auto: newton, then implicit-dynamics, central-difference if it fails"
     thrown = scene(bodies={"b": {**BLOCK["bodies"]["b"], "spin": 3.0}}, time={"end": 1e-6})
     first, order = first_that_fits(thrown, thrown.registry)
     said = explain(first, first.registry, attempts=order).scene.integrator
-    assert said.startswith(
-        "auto: implicit-dynamics, then central-difference if it comes short; newton refused: nothing"
-    )
+    assert said.startswith("auto: implicit-dynamics, then central-difference if it fails; newton refused: nothing")
     with pytest.raises(SceneError, match="nothing moves by itself"):
         first_that_fits(thrown.with_({"integrator.order": ["newton"]}), thrown.registry)
     named = scene(integrator="newton")

@@ -55,7 +55,7 @@ def test_used_up_friction_is_a_limit_load() -> None:
     share = 100.0 * results.summary["reached"]["share"]
     assert share == pytest.approx(100.0 * (4.0 + 0.8 * 2.5) / 6.5, abs=0.1)
     assert results.reason.startswith(f"stopped at {share:.4g} % of the load, after step ")
-    told = re.search(r"block\.bottom on floor: friction of contacts\.0 carries ([0-9.]+)% of what", results.reason)
+    told = re.search(r"block\.bottom on floor: friction of contacts\.0 carries ([0-9.]+)% of its limit", results.reason)
     assert told, results.reason
     assert float(told[1]) > 99.0
     assert "nothing else holds block against sliding along x: this is a limit load" in results.reason

@@ -198,7 +198,7 @@ def test_the_dearest_effect_comes_first_and_reasons_below() -> None:
     row = next(line.split() for line in shown.splitlines() if line.split()[:1] == ["friction"])
     # 2500 us of 10000 per step, 0.25 s of the run, and it changes nothing here
     assert row[:5] == ["friction", "yes", "2500", "25", "0.25"]
-    assert "friction" in shown[shown.index("would not miss") :]
+    assert "friction" in shown[shown.index("Can be switched off") :]
 
 
 @pytest.mark.usefixtures("fake_runs")

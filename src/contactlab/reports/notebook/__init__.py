@@ -1,1 +1,1 @@
-"""What scenes, results and tables show of themselves in a notebook, and what other libraries take from them."""
+"""Display of scenes, results and tables in notebooks, and their conversion to objects of other libraries."""

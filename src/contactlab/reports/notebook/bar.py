@@ -13,7 +13,7 @@ PATIENCE = 0.2  # s between two pictures of a bar
 
 
 def in_notebook() -> bool:
-    """Whether a Jupyter kernel runs this process."""
+    """Return whether a Jupyter kernel runs this process."""
     return "ipykernel" in sys.modules and "IPython" in sys.modules
 
 

@@ -1,4 +1,4 @@
-"""Figures that show themselves in notebooks, and axes to draw into: new ones, or those of the caller."""
+"""Figures that show themselves in notebooks, and axes to draw into: new axes, or axes of the caller."""
 
 from __future__ import annotations
 

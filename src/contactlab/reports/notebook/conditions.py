@@ -74,7 +74,7 @@ def _draw_support(axes: Axes, support: Any, places: Floats, middle: Floats, leng
 
 
 def _motion(value: Any) -> float:
-    """Where a prescribed displacement goes: its value at the end, 0 of one that is held."""
+    """Final value of a prescribed displacement, 0 if it is held."""
     return 0.0 if value is None else float(value) if isinstance(value, int | float) else float(value.to)
 
 

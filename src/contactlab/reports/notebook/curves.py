@@ -89,7 +89,7 @@ def force_figure(results: Results, on: str, component: str, ax: Axes | None) -> 
 
 
 def draw_force(axes: Axes, curve: ForceCurve, colour: str, label: str, units: Units, style: Any = None) -> None:
-    """One curve with a mark at its largest force; thin if its states are not in equilibrium."""
+    """Draw a curve with a mark at its largest force; thin if its states are not in equilibrium."""
     style = style or ("-" if curve.equilibrium else DASHED)
     width = 1.5 if curve.equilibrium else 0.8
     axes.plot(curve.x, curve.force, color=colour, linewidth=width, linestyle=style, label=label or None)

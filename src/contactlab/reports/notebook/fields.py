@@ -23,9 +23,9 @@ VECTORS = ("displacement", "displacement_x", "displacement_y", "velocity", "velo
 
 
 class Moment(NamedTuple):
-    """One instant of a run.
+    """State of a run at an instant.
 
-    time       [s], nan at the end of a run without files; share of the loading (statics) or of time, 0 to 1
+    time       [s], NaN at the end of a run without files; share of the loading (statics) or of time, 0 to 1
     position   (N, 2) [mm]; displacement (N, 2) [mm]; velocity (N, 2) [mm/s] or (0, 2)
     cells      per body: "stress" (n, 4) and every other field that its law has (n,)
     """
@@ -39,7 +39,7 @@ class Moment(NamedTuple):
 
 
 def moment_of(results: Results, frame: int = -1) -> Moment:
-    """A stored frame; the last one of a run without files is its end. Raises RequestError where there is none."""
+    """A stored frame; the last frame of a run without files is its end. Raises RequestError if there is none."""
     count = len(results.frames)
     if count:
         if not -count <= frame < count:
@@ -47,7 +47,7 @@ def moment_of(results: Results, frame: int = -1) -> Moment:
         return _of_frame(results, results.frames[frame])
     if frame != -1:
         raise RequestError(
-            "only the end of a run without files is known", got=f"frame {frame}",
+            "a run without files has no frames but the end", got=f"frame {frame}",
             hint='give simulate a folder: simulate(scene, out="runs/mine")',
         )  # fmt: skip
     cells = {}
@@ -55,7 +55,7 @@ def moment_of(results: Results, frame: int = -1) -> Moment:
         variables = {name: values.mean(axis=1) for name, values in results.internal_variables.get(body, {}).items()}
         cells[body] = {"stress": stress.mean(axis=1), "von_mises": von_mises(stress).mean(axis=1), **variables}
     if not cells:
-        raise RequestError("the run stored nothing that could be shown", got=f"{results.status}: {results.reason}")
+        raise RequestError("the run stored no fields", got=f"{results.status}: {results.reason}")
     time = float(results.history["time"][-1]) if len(results.history.get("time", ())) else float("nan")
     share = float(results.history["share"][-1]) if len(results.history.get("share", ())) else float("nan")
     return Moment(time, results.nodes + results.displacement, results.displacement, results.velocity, cells, share)
@@ -82,7 +82,7 @@ def values_of(results: Results, moment: Moment, name: str) -> dict[str, Floats]:
         return {body: nodal[corners_of(cells)].mean(axis=1) for body, cells in results.cells.items()}
     found = {}
     for body, cells in moment.cells.items():
-        if name in OF_STRESS:  # the mean of von Mises stresses is stored beside the mean stress
+        if name in OF_STRESS:  # the mean of von Mises stresses is stored in addition to the mean stress
             found[body] = cells[name] if name in cells else of_stress(cells["stress"], name)
         elif name in cells:
             found[body] = cells[name]
@@ -92,7 +92,7 @@ def values_of(results: Results, moment: Moment, name: str) -> dict[str, Floats]:
 def nodal_values_of(results: Results, moment: Moment, name: str) -> dict[str, Floats]:
     """The field (N,) at the nodes of each body that has it, NaN at others. Raises RequestError with the nearest name.
 
-    Von Mises, principal stresses and pressure are those of the nodal stress.
+    Von Mises, principal stresses and pressure are computed from the nodal stress.
     """
     _checked(moment, name)
     found = {}
@@ -135,7 +135,7 @@ def _component(vectors: Floats, name: str) -> Floats:
 
 
 def title_of(name: str, units: Units) -> str:
-    """What to write beside the colours."""
+    """Label of the colour bar."""
     words = {"von_mises": "von Mises stress", "pressure": "hydrostatic pressure"}.get(name, name.replace("_", " "))
     words = words.replace("principal", "principal stress")
     stress = name in OF_STRESS

@@ -72,7 +72,7 @@ def show_timeline(results: Results) -> Any:
     """
     recorder = showing_recorder(default_registry())
     if recorder is None:
-        raise ContactlabError("no installed recorder makes recordings that can be looked at")
+        raise ContactlabError("no installed recorder makes recordings for a viewer")
     file = recording_of(results, results.folder or Path(mkdtemp(prefix="contactlab-")), recorder)
     inline = recorder.inline(file)
     if inline is not None:

@@ -1,4 +1,4 @@
-"""What a notebook shows of scenes, runs, comparisons and matrices: pictures, tables, warnings."""
+"""Notebook display of scenes, runs, comparisons and matrices: pictures, tables, warnings."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def scene_html(scene: Scene) -> str:
 
 
 def results_html(results: Results) -> str:
-    """How the run ended, its warnings, the von Mises stress at the end and the contact pressures."""
+    """Status of the run, its warnings, the von Mises stress at the end and the contact pressures."""
     facts = results_facts(results)
     reason = facts.pop("reason", "")
     said = [f'<div style="{FAULT}">{escape(reason)}</div>'] if reason else []
@@ -94,7 +94,7 @@ def matrix_html(matrix: Matrix) -> str:
 
 
 def _picture(draw: Callable[[], Any]) -> str:
-    """A figure as an image; why there is none where it cannot be drawn."""
+    """A figure as an image, or the reason if it cannot be drawn."""
     from contactlab.errors import ContactlabError
 
     try:

@@ -1,4 +1,4 @@
-"""Libraries that come with the extra `notebook`: imported when they are asked for, named where they are missing."""
+"""Libraries that come with the extra `notebook`: imported on use, named in an error if they are missing."""
 
 from __future__ import annotations
 

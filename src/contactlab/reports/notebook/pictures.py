@@ -63,7 +63,7 @@ def animated(
     axes: Axes, results: Results, moments: Sequence[Moment], name: str, flat: bool, title: str,
     limits: Limits | None = None,
 ) -> Any:  # fmt: skip
-    """A function that draws the moment of a number anew and returns its artists, the coloured ones first."""
+    """Return a function that redraws the moment of a number and returns its artists, the coloured ones first."""
     values = [_values(results, moment, name, flat) for moment in moments]
     within = limits or limits_of(values)
     before: list[Any] = []
@@ -82,7 +82,7 @@ def animated(
 
 
 def fields_figure(runs: Mapping[str, Results], name: str, frame: int, flat: bool = False) -> Figure:
-    """The same field of several runs beside each other, with common colours and axes."""
+    """The same field of several runs side by side, with common colours and axes."""
     moments = {title: moment_of(results, frame) for title, results in runs.items()}
     values = {title: _values(results, moments[title], name, flat) for title, results in runs.items()}
     limits = limits_of(list(values.values()))
@@ -97,7 +97,7 @@ def fields_figure(runs: Mapping[str, Results], name: str, frame: int, flat: bool
 
 
 def fields_animation(runs: Mapping[str, Results], name: str, stride: int, flat: bool = False) -> FuncAnimation:
-    """Several runs beside each other; one with fewer frames stays at its last."""
+    """Several runs side by side; a run with fewer frames stays at its last frame."""
     moments = {title: [moment_of(r, k) for k in range(0, len(r.frames), stride)] for title, r in runs.items()}
     ends = [_values(results, moments[title][-1], name, flat) for title, results in runs.items()]
     limits = limits_of(ends)
@@ -239,7 +239,7 @@ def _conditions(axes: Axes, results: Results, moment: Moment) -> None:
 
 
 def colour_bar(figure: Figure, axes: Any, shown: Any, title: str) -> None:
-    """Draw the colour bar of what is shown beside the axes."""
+    """Draw the colour bar of `shown` next to the axes."""
     figure = figure if not isinstance(axes, Axes) else figure_of(axes)
     bar = figure.colorbar(shown, ax=axes, shrink=0.85, pad=0.02)
     bar.set_label(title, color=MUTED)

@@ -23,7 +23,7 @@ from contactlab.studies.shape import Shape
 BODIES = ("#dfe6ee", "#efe5d8", "#e2ecdf", "#ece0ea", "#f0e9c9", "#d9ebec")
 """Pale colours of bodies."""
 SIDES = (("master", STYLES[1].colour, 4.0), ("slave", STYLES[0].colour, 1.8))
-"""What is drawn of a contact, in this order: sides that touch lie on each other, and both must be seen."""
+"""Lines of a contact in drawing order: sides that touch lie on each other, and both must be visible."""
 
 
 def scene_figure(scene: Scene, ax: Axes | None = None) -> Figure:

@@ -19,7 +19,7 @@ MOST = 20
 
 
 def scene_text(scene: Scene) -> str:
-    """What a scene consists of, a line per table."""
+    """Summary of a scene, a line per table."""
     return _lines(f"Scene {scene.name}", scene_facts(scene))
 
 
@@ -48,7 +48,7 @@ def scene_facts(scene: Scene) -> dict[str, str]:
 
 
 def results_text(results: Results) -> str:
-    """How a run ended, and the numbers that are looked at first."""
+    """Status of a run, and its main numbers."""
     return _lines(f"Results of {results.layout.title}: {results.status}", results_facts(results))
 
 
@@ -98,7 +98,7 @@ def table_latex(table: Table) -> str:
 
 
 def matrix_text(matrix: Matrix) -> str:
-    """How many cells have which verdict, and the cells that are worst."""
+    """Number of cells by verdict, and the worst cells."""
     from contactlab.cases.verdict import WORST
 
     counts = ", ".join(f"{matrix.count(verdict)} {verdict}" for verdict in WORST if matrix.count(verdict))
