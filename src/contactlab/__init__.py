@@ -4,7 +4,7 @@
     scene = contactlab.load_scene("disc-on-block").with_({"contacts.0.algorithm": "mortar-p0", "level": 2})
     results = contactlab.simulate(scene, out="runs/disc")
 
-Names are imported when they are first used, so that `contactlab --help` answers at once.
+Names are imported when they are first used, so that `contactlab --help` answers immediately.
 """
 
 from __future__ import annotations

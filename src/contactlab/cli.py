@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the program with these words (those of the command line by default); gives the exit status."""
+    """Run the program with these words (by default of the command line); returns the exit status."""
     if arguments is None:
         interrupt_on_signals()  # before all else is imported
     try:

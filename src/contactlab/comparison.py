@@ -57,22 +57,22 @@ def compare(
     jobs            runs at a time; one per core by default
     changes         scene keys and values for all runs, also instead of what the study varies
     progress        a progress display on standard error; by default if that is a terminal
-    effects         instead of combinations, the scene with each of its effects taken out in turn: `Table.breakdown`
+    effects         instead of combinations, the scene without each of its effects in turn: `Table.breakdown`
     resume          continue in `out`: finished runs are kept, interrupted ones continued, damaged records made again
     time_limit      wall time of one run without compilation [s], instead of the study's own: a run over it is stopped,
                     and killed if it does not answer; a row "timed-out"
     repeat          runs of each combination, instead of the study's own; the costs are medians
-    reference       what pressures are measured against, instead of the study's own: a name, a JSON file, a CSV file
+    reference       reference of the pressures, instead of the study's own: a name, a JSON file, a CSV file
                     with columns x and p, or "finest": runs on meshes twice as fine as the finest compared
-    keep            whose `results.vtkhdf` and recordings stay in `out`: "all" runs', of those that "failed", or "none";
+    keep            runs whose `results.vtkhdf` and recordings stay in `out`: "all", "failed" or "none";
                     an interrupted comparison keeps all, so that it can continue
     scheduler       "local", "dask" (a cluster on this machine) or tcp://HOST:PORT of a dask scheduler
 
-    Each row goes into `archive.sqlite` in `out` as soon as its runs are over.
+    Each row goes into `archive.sqlite` in `out` as soon as its runs end.
 
     A run that fails, or whose process is killed, is a row with its status and reason.
     Raises RequestError when the request itself is wrong, and KeyboardInterrupt after Ctrl-C or SIGTERM,
-    when what there is has been written. The first one lets runs save their state, a second one ends them at once.
+    when all finished rows have been written. The first signal lets runs save their state, a second ends them.
     """
     checked_keep(keep)
     checked_scheduler(scheduler)
@@ -111,11 +111,11 @@ def _stored(row: Row, scene: Scene, machine: str) -> StoredRow:
 
 
 KEEP = ("all", "failed", "none")
-"""Whose files are kept: of all runs, of those that did not finish, of none."""
+"""Runs whose files are kept: all runs, runs that did not finish, none."""
 
 
 def checked_keep(keep: str) -> str:
-    """One of `KEEP`. Raises RequestError for another word."""
+    """Return a member of `KEEP`. Raises RequestError for another word."""
     if keep not in KEEP:
         raise RequestError("there is no such choice", where="keep", got=keep, allowed=", ".join(KEEP))
     return keep

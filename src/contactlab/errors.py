@@ -23,9 +23,9 @@ class ContactlabWarning(RuntimeWarning):
 
 @dataclass(frozen=True)
 class Location:
-    """A key of a scene or study: the file, the dotted key, and the line where one can be told.
+    """A key of a scene or study: the file, the dotted key, and the line if it is known.
 
-    file       what the reader knows the text as: a path, or the name of a bundled scene
+    file       name of the text for the reader: a path, or the name of a bundled scene
     key        dotted path, "contacts.0.algorithm"
     lines      line numbers of the keys that the file writes out
     overrides  keys that were set from outside the file and therefore have no line in it
@@ -88,7 +88,7 @@ def one_line(error: BaseException, name: bool = True) -> str:
 
 
 def visible(text: str, kept: str = "\n\t") -> str:
-    """A text whose control characters, beside those that are `kept`, are seen and command no terminal."""
+    """A string whose control characters, except those `kept`, are made visible and cannot control a terminal."""
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() or c in kept else _seen(ord(c)) for c in text)
@@ -127,7 +127,7 @@ def _written(value: object, depth: int) -> str:
 
 
 MISSPELT = 0.88
-"""Ratio of difflib from which on a name is another with a letter of eight missing, doubled or exchanged."""
+"""Ratio of difflib above which a name is another with a letter of eight missing, doubled or exchanged."""
 
 
 def nearest(name: str, choices: Iterable[str]) -> str | None:
@@ -204,7 +204,7 @@ class PartError(RequestError):
 
 
 class WrongAnswer(ValueError):
-    """What a part gave is not as the contract says: the part and its method, what was got, what is needed."""
+    """Value of a part that breaks the contract: the part and its method, what was got, what is needed."""
 
 
 class SimulationFailure(ContactlabError):

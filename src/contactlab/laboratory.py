@@ -86,7 +86,7 @@ def error_budget(
 ) -> ErrorBudget:
     """Estimate the parts of the error of a run: mesh, load increments, ramp, enforcement, each halved in turn.
 
-    scene  a scene, the name of a bundled scene, or a TOML file; the other arguments are those of `choose`
+    scene  a scene, the name of a bundled scene, or a TOML file; for the other arguments see `choose`
 
     `ErrorBudget.shares` is empty if the run as it is does not finish; `reason` says why.
     Raises RequestError for a wrong request, KeyboardInterrupt after Ctrl-C; finished runs stay in `out`.
@@ -112,14 +112,14 @@ def matrix(
     scheduler: str = LOCAL,
     progress: bool | None = None,
 ) -> Matrix:
-    """Judge contact algorithms by cases with known answers.
+    """Judge contact algorithms by benchmark cases with known solutions.
 
     cases     names of cases; all that are installed by default
     contacts  names of contact algorithms; all by default
     levels    of mesh refinement
     full      either slave, all elements, integrators and variants of the cases, too
 
-    The other arguments are those of `choose`. A folder `out` gets the files of the command.
+    For the other arguments see `choose`. A folder `out` gets the files of the command.
     Raises RequestError for a wrong request, KeyboardInterrupt after Ctrl-C; finished cells stay in `out`.
     """
     request = Request(tuple(cases), tuple(contacts), full, tuple(dict.fromkeys(levels)))

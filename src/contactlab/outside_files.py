@@ -14,14 +14,14 @@ from contactlab.errors import RequestError, Where
 
 TEXT = 64 << 20  # bytes of a text that is read, unpacked: a million rows of a table, a thousand times any scene
 UNPACKERS = {".gz": "gzip", ".bz2": "bz2", ".xz": "lzma"}
-GROWTH, SPARE = 100.0, float(512 << 20)  # bytes that a byte of a mesh file may take while it is read, and beside them
+GROWTH, SPARE = 100.0, float(512 << 20)  # bytes that a byte of a mesh file may take while it is read, and extra bytes
 
 
 LONGEST = 255  # bytes of a name of a file or folder
 
 
 def usable(path: Path, where: Where) -> Path:
-    """The path. Raises RequestError where no file can have this name."""
+    """Return the path. Raises RequestError if no file can have this name."""
     for part in path.parts:
         try:
             size = len(part.encode())
@@ -43,7 +43,7 @@ def read_outside(
 ) -> bytes:
     """The content of a file, unpacked where its name says that it is packed. Raises an error of this kind."""
     try:
-        # a pipe that nobody writes to would be waited for: it is opened without waiting, and looked at once it is open
+        # opening a pipe that nobody writes to would block: it is opened without waiting, and checked afterwards
         descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
         try:
             _check(os.fstat(descriptor), path, where, allowed, most, kind)
@@ -70,14 +70,14 @@ def text_outside(
     try:
         return read_outside(path, where, allowed, most, kind).decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise kind("the file is no text in UTF-8", where=where, got=str(path), allowed=allowed) from error
+        raise kind("the file is not text in UTF-8", where=where, got=str(path), allowed=allowed) from error
 
 
 def _check(found: os.stat_result, path: Path, where: Where, allowed: str, most: float, kind: Any) -> None:
     if stat.S_ISDIR(found.st_mode):
         raise kind("this is a folder", where=where, got=str(path), allowed=allowed)
     if not stat.S_ISREG(found.st_mode):
-        problem = "this is no file: a device or a pipe may never end"
+        problem = "not a file: a device or a pipe may never end"
         raise kind(problem, where=where, got=str(path), allowed=allowed)
     if found.st_size > most:
         got = f"{path}: {found.st_size / 2.0**20:.4g} MiB"

@@ -200,8 +200,8 @@ def test_what_a_usual_package_would_bring_is_told(
         (["coulomb", "--set", "grip=0.7"], 'unknown key "grip"'),
         (["coulomb", "--set", "mu=-0.7"], "a coefficient of at least 0"),
         (["coulomb", "--only", "rub_at_all"], 'did you mean "rubs_at_all"'),
-        (["coulomb", "--only", "rubs at all", "--card", "card"], "a card tells of all checks"),
-        (["mortar-p1", "--python", "--json"], "formulas as plain Python are checked in part"),
+        (["coulomb", "--only", "rubs at all", "--card", "card"], "a card needs all checks"),
+        (["mortar-p1", "--python", "--json"], "--python runs the unit checks only"),
         (["tests"], "no parts in this folder"),
     ],
 )

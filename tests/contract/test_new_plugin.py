@@ -66,8 +66,8 @@ def test_a_part_can_be_checked_as_it_is_written(kind: str) -> None:
     [
         ("contacts", "my-contact", 'did you mean "contact"'),
         ("contact", "MyContact", "lower-case words"),
-        ("contact", "json", "word of Python"),
-        ("contact", "class", "word of Python"),
+        ("contact", "json", "keyword or module of Python"),
+        ("contact", "class", "keyword or module of Python"),
         ("contact", "contact-algorithm", "as one of contactlab.api"),
     ],
 )
@@ -92,7 +92,7 @@ def test_an_existing_folder_is_left_alone(
     monkeypatch.chdir(tmp_path)
     (tmp_path / "own-mesh").mkdir()
     assert main(["new-plugin", "mesh", "own-mesh"]) == 2
-    assert "the folder is there already" in capsys.readouterr().err
+    assert "the folder exists already" in capsys.readouterr().err
     assert not [*(tmp_path / "own-mesh").iterdir()]
 
 

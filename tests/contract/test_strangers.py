@@ -161,7 +161,7 @@ def compares_like_the_shipped_ones(folder: Path) -> None:
     assert [*folder.glob("*.svg")]
     report = (folder / "report.html").read_text()
     assert "integration: closest-point (closest-point 0.1.0)" in report
-    assert "Where the time went" in report
+    assert "Times by phase" in report
 
 
 def case_is_met(rows: list[dict[str, str]]) -> None:

@@ -166,10 +166,10 @@ class Worn(FrictionLaw):
     [
         ({}, ""),
         ({"needs": ("slip_rates", "dt")}, 'did you mean "slip_rate"?'),
-        ({"needs": "slip_rate"}, "a tuple of texts among"),
+        ({"needs": "slip_rate"}, "a tuple of strings among"),
         ({"needs": ("slip_rate",)}, "its bound takes (self, slip_rate, dt, way); it is called with (self, slip_rate,"),
         ({"memory": ("way", "dt")}, "allowed: names that differ, and none of needs"),
-        ({"evolve": FrictionLaw.evolve}, "it has memory and no evolve"),
+        ({"evolve": FrictionLaw.evolve}, "it has memory but no evolve"),
         ({"need": ("dt",)}, "did you mean needs?"),
         ({"bounds": lambda self: None}, "did you mean bound?"),
         ({"helper": 1}, ""),
@@ -185,7 +185,7 @@ def test_declarations_that_miss_the_contract_are_refused(attributes: dict[str, A
 def test_misspelt_class_attributes_are_refused() -> None:
     body = {"__module__": __name__, "__annotations__": {"keep_energy": ClassVar[bool]}, "keep_energy": True}
     promised = dataclass(frozen=True)(type("Promised", (MortarP0,), body))
-    assert "its keep_energy is nothing that the contract knows; did you mean keeps_energy?" in faults(
+    assert "its keep_energy is not known to the contract; did you mean keeps_energy?" in faults(
         "contact", promised
     )
 

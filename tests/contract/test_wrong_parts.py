@@ -163,7 +163,7 @@ def contactlab_parts():
         ),
         ("contact", "GapAlgorithm", {"memory": ("m",)}, "its memory is not read .* allowed: memory_size"),
         ("effect", "Effect", {"needs": ("time",)}, "its needs is not read .* allowed: what the view has"),
-        ("enforcement", "NormalLaw", {"memory": ("m",)}, "it has memory and no evolve"),
+        ("enforcement", "NormalLaw", {"memory": ("m",)}, "it has memory but no evolve"),
         ("enforcement", "ImplicitEnforcement", {"memory": ("m",)}, "its memory is not read .* allowed: none"),
     ],
 )

@@ -67,7 +67,7 @@ def test_stopped_comparison_goes_on(stopped: tuple[Path, Path, str], monkeypatch
     vary = [f"{key}={values}" for key, values in VARY.items()]
     words = [word for text in vary for word in ("--vary", text)]
     expected = shlex.join(["contactlab", "compare", str(scene), *words, "--out", str(folder), "--resume"])
-    assert line == f"interrupted; go on with: {expected}"
+    assert line == f"interrupted; resume with: {expected}"
     assert row_status(folder) == ["finished", "interrupted"]
     assert (folder / "timeline.rrd").exists()
     before = stamps(folder)

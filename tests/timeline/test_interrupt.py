@@ -44,7 +44,7 @@ def test_stopped_run_exits_130_and_the_printed_line_goes_on(
     assert summary["status"] == "interrupted"
     assert f"stopped by {number.name} after step {summary['steps']}" in summary["reason"]
     line = told.splitlines()[-1]
-    assert line == f"go on with: contactlab {shlex.join([*words, '--resume'])}"
+    assert line == f"resume with: contactlab {shlex.join([*words, '--resume'])}"
     assert main(shlex.split(line.partition("contactlab ")[2])) == 0
     results = contactlab.load_results(folder)
     assert results.status == "finished"

@@ -255,7 +255,7 @@ def test_runs_of_a_comparison_are_chosen_by_name(
     assert main(["view", str(comparison), "--runs", "3", "--png", str(tmp_path / "no.png")]) == 2
     assert "the comparison has no such run" in capsys.readouterr().err
     assert main(["view", str(comparison / "runs" / "0"), "--runs", "0", "--png", str(tmp_path / "no.png")]) == 2
-    assert "runs are chosen of a comparison" in capsys.readouterr().err
+    assert "--runs needs a comparison" in capsys.readouterr().err
 
 
 def test_a_panel_that_is_not_there(comparison: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -264,7 +264,7 @@ def test_a_panel_that_is_not_there(comparison: Path, capsys: pytest.CaptureFixtu
     assert "--panel: no panel has nothing in its name; allowed: disc-on-block" in capsys.readouterr().err
     assert not (run / "panel").exists()
     assert main(["view", str(run / "timeline.rrd"), "--panel", "energy", "--png", str(run / "a.png")]) == 2
-    assert "panels are taken from results" in capsys.readouterr().err
+    assert "--panel needs results" in capsys.readouterr().err
 
 
 @pytest.mark.full

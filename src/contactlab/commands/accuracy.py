@@ -70,7 +70,7 @@ def _refuse_others(options: argparse.Namespace) -> None:
         if given:
             raise RequestError(
                 "a study of cases is not varied from the command line", where=name,
-                hint="copy the study into a file of your own and change its cases, contenders or levels",
+                hint="copy the study into your own file and change its cases, contenders or levels",
             )  # fmt: skip
 
 

@@ -60,7 +60,7 @@ def _list(words: list[str]) -> int:
 def _told(kept: Archive) -> bool:
     """Warn of entries that did not pass the check; returns whether there are any."""
     if kept.damage:
-        print(f"contactlab: warning: {kept.path}: {in_words(kept.damage)}; left out here", file=sys.stderr)
+        print(f"contactlab: warning: {kept.path}: {in_words(kept.damage)}; skipped", file=sys.stderr)
     return bool(kept.damage)
 
 
@@ -72,14 +72,14 @@ def _ends(entry: Mapping[str, Any]) -> tuple[str, str, str]:
 def _merge(words: list[str]) -> int:
     """Copy everything of the second archive into the first."""
     if len(words) != 2:
-        raise RequestError("two archives are merged", where="archive merge", got=len(words), allowed="A B")
+        raise RequestError("merge needs two archives", where="archive merge", got=len(words), allowed="A B")
     into, other = _opened(words, 2)
     with Archive(into) as kept:
         damage = _told(kept)
         came, lost = kept.take(other)
     if lost:
         damage = True
-        print(f"contactlab: warning: {other}: {in_words(lost)}; nothing of that came", file=sys.stderr)
+        print(f"contactlab: warning: {other}: {in_words(lost)}; not merged", file=sys.stderr)
     told = ", ".join(f"{count} {name}" for name, count in came.items())
     console().say(f"from {other} into {into}: {told}")
     return DAMAGED if damage else 0

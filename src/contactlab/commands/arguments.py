@@ -58,11 +58,11 @@ def step(text: str) -> int:
 
 
 Describe = Callable[[Any], object]
-"""Adds what can be typed to a command."""
+"""Adds its words and options to a command."""
 
 
 class Command(NamedTuple):
-    """What a command does, its function below `contactlab.commands`, and what can be typed after it."""
+    """Help text of a command, its function below `contactlab.commands`, and its words and options."""
 
     text: str
     function: str
@@ -73,7 +73,7 @@ class _Program(CommandLine):
     """The parser of the whole program, whose help groups the commands."""
 
     def format_help(self) -> str:
-        """One line per command."""
+        """Return the help, a line per command."""
         lines = [f"{self.format_usage()}\n{self.description}\n"]
         for title, commands in GROUPS.items():
             lines.append(f"\n{title}:\n")
@@ -115,11 +115,11 @@ def _list(name: str, dest: str | None = None, **more: Any) -> Describe:
 
 
 def _amount(command: Any) -> None:
-    """How much is printed."""
+    """Add the options on how much is printed."""
     group = command.add_mutually_exclusive_group()
     group.add_argument("-q", "--quiet", action="store_true", help="print failures and warnings only")
     group.add_argument("-v", "--verbose", action="store_true", help="print every number of the result")
-    command.add_argument("--profile", action="store_true", help="print where the time went")
+    command.add_argument("--profile", action="store_true", help="print times by phase")
 
 
 FILES = _list("--with", dest="files", metavar="FILE.py", help="also use the parts in this file")
@@ -143,7 +143,7 @@ MANY = (
     _word("--jobs", type=positive, metavar="N", help="runs at a time (default: one per core)"),
     _word(
         "--scheduler", default="local", metavar="WHERE",
-        help="local; dask: a cluster on this machine; tcp://HOST:PORT: a dask scheduler that is there",
+        help="local; dask: a cluster on this machine; tcp://HOST:PORT: a running dask scheduler",
     ),
 )  # fmt: skip
 """Options of all commands that make many runs, with one meaning."""
@@ -262,7 +262,7 @@ AUTHORS = {
             ),
             _list("--only", metavar="CHECK", help="run this check only; may be repeated"),
             FILES, JSON,
-            _word("--card", metavar="DIR", help="write the outcome as card.json and card.md"),
+            _word("--card", metavar="DIR", help="write the results as card.json and card.md"),
             _flag("--python", text="run formulas as plain Python in the unit checks, and count their lines"),
         ),
     ),
@@ -285,17 +285,17 @@ LABORATORY = {
                 help="mesh level, several times for orders of convergence (default: 1)",
             ),
             _flag("--margins", text="how far each case can be driven before it fails a criterion"),
-            _word("--against", metavar="FILE", help="an earlier matrix.csv: exit status 1 where a cell is worse"),
+            _word("--against", metavar="FILE", help="an earlier matrix.csv: exit status 1 if a cell is worse"),
             FILES, *MANY, JSON,
         ),
     ),
     "choose": Command(
         "find the cheapest configuration that meets an error", "choose:choose_for", (
             *SCENE,
-            _word("--error", type=share, default=0.01, metavar="E", help="error to meet (default: 1%%)"),
+            _word("--error", type=share, default=0.01, metavar="E", help="target error (default: 1%%)"),
             _word("--budget", type=seconds, default=60.0, metavar="S", help="CPU time of a run (default: 60s)"),
             _word("--search", type=seconds, default=120.0, metavar="S", help="CPU time of trials (default: 120s)"),
-            _flag("--run", text="run what was chosen"), *MANY, JSON,
+            _flag("--run", text="run the chosen configuration"), *MANY, JSON,
         ),
     ),
     "error-budget": Command(
@@ -308,7 +308,7 @@ LABORATORY = {
                 "--all", action="store_true", dest="everything",
                 help="every effect, part, call, kernel, array and module",
             ),
-            _flag("--effects", text="try the scene without each effect, too, and print what each costs"), JSON,
+            _flag("--effects", text="also try the scene without each effect, and print the cost of each"), JSON,
         ),
     ),
     "archive": Command(

@@ -20,8 +20,8 @@ from contactlab.testing.run import Outcome, checks_for
 from contactlab.testing.scenarios.cases import PACKAGE
 from contactlab.testing.subject import Subject
 
-LABELS = {"expected": "expected to fail"}  # a failure that the part declares, such as that of the patch test
-WITHOUT_CASES = f"no cases are installed, so that runs with known answers are left out: pip install {PACKAGE}"
+LABELS = {"expected": "expected to fail"}  # a failure that the part declares, such as a failed patch test
+WITHOUT_CASES = f"no cases are installed, so benchmarks with known solutions are skipped: pip install {PACKAGE}"
 
 
 def check(options: argparse.Namespace) -> int:
@@ -29,9 +29,9 @@ def check(options: argparse.Namespace) -> int:
     parts = subjects(options.target, options.kind, options.files, parse_settings(options.settings))
     only = _named(options.only, parts)
     if only and options.card:
-        raise RequestError("a card tells of all checks", where="--card", got="--only", allowed="one of them")
+        raise RequestError("a card needs all checks", where="--card", got="--only", allowed="one of them")
     if options.python and (options.json or options.card):
-        raise RequestError("formulas as plain Python are checked in part", where="--python", got="--json or --card")
+        raise RequestError("--python runs the unit checks only", where="--python", got="--json or --card")
     if options.python:
         return _checked_in_python(parts, only)
     reports = _checked(parts, only, quiet=options.json)
@@ -47,7 +47,7 @@ def check(options: argparse.Namespace) -> int:
 
 
 def _named(names: Sequence[str], parts: Sequence[Subject]) -> list[str]:
-    """Checks by their names, as they are shown or as functions. Raises RequestError for one that no part is asked."""
+    """Checks by their names, as they are shown or as functions. Raises RequestError for a name that no part has."""
     known = list(dict.fromkeys(name for part in parts for name in check_names(part.kind)))
     found = [name.strip().replace(" ", "_") for name in names]
     for name in found:
@@ -76,7 +76,7 @@ def _checked_in_python(parts: Sequence[Subject], only: Sequence[str]) -> int:
     with FormulaLines() as lines:
         parts = [part for part in parts if formulas_of(part.part_class)]
         if not parts:
-            raise RequestError("none of these parts has formulas", where="--python", hint="leave the option out")
+            raise RequestError("none of these parts has formulas", where="--python", hint="omit the option")
         for part in parts:
             lines.watch(part.part_class)
         units = [check.__name__ for part in parts for check in checks_for(part.kind)]
@@ -112,7 +112,7 @@ def show(report: PartReport) -> None:
 
 
 def _why(outcome: Outcome) -> str:
-    """What a failed check proves comes before what it found."""
+    """Return the outcome in words; for a failed check its purpose comes first."""
     if outcome.status == "failed":
         return f"{outcome.says}\n{outcome.reason}"
     return f"told: {outcome.reason}" if outcome.status == "passed" and outcome.reason else outcome.reason

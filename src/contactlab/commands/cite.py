@@ -24,7 +24,7 @@ FOLDERS = "the folder of a run or a comparison"
 
 
 def cite(options: argparse.Namespace) -> int:
-    """Print program, scene, parts and reference with what each asks to be cited."""
+    """Print program, scene, parts and reference with the citation of each."""
     folder = Path(options.path)
     cited = cited_in(folder, registry_with(options.files))
     if options.json:
@@ -43,7 +43,7 @@ def cite(options: argparse.Namespace) -> int:
 
 
 def cited_in(folder: Path, registry: Registry) -> dict[str, Any]:
-    """What to cite for a run's or comparison's folder. Raises RequestError for any other."""
+    """Return the citations for the folder of a run or comparison. Raises RequestError for any other."""
     scene, used, versions, reference = _read(folder)
     parts: dict[str, dict[str, str]] = {}
     for key, text in used:
@@ -73,7 +73,7 @@ def literature(texts: Iterable[str]) -> dict[str, str]:
 
 
 def _reference(name: str | None, scene: Mapping[str, Any], registry: Registry) -> dict[str, str] | None:
-    """What pressures were measured against, or the known solution of the scene."""
+    """Reference of the pressures, or the known solution of the scene."""
     try:
         found = find_reference(name, registry).at(scene) if name else matching_reference(scene, registry)
     except RequestError:  # a file of the user's that has moved
@@ -96,5 +96,5 @@ def _read(folder: Path) -> tuple[dict[str, Any], list[tuple[str, str]], Mapping[
         return scene, list(kept["parts"].items()), kept["versions"], None
     except (OSError, ValueError, LookupError, TypeError, AttributeError) as error:
         raise RequestError(
-            f"what the run says cannot be read: {one_line(error)}", where="cite", got=str(folder), allowed=FOLDERS
+            f"the summary of the run cannot be read: {one_line(error)}", where="cite", got=str(folder), allowed=FOLDERS
         ) from error

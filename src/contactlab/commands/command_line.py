@@ -1,4 +1,4 @@
-"""A command line whose errors are told like all others: what was got, what is allowed, and what to try."""
+"""Command line whose errors have the form of all others: what was got, what is allowed, and what to try."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ REQUIRED = re.compile(r"the following arguments are required: (?P<name>.*)", re.
 
 
 def _is_text(word: str) -> bool:
-    """Whether a word is UTF-8; bytes of the command line that are not come as halves of characters."""
+    """Return whether a word is UTF-8; other bytes of the command line arrive as surrogates."""
     try:
         return b"\0" not in word.encode()
     except UnicodeEncodeError:
@@ -24,12 +24,12 @@ def _is_text(word: str) -> bool:
 
 
 def usage_of(parser: argparse.ArgumentParser) -> str:
-    """What may be typed, on one line."""
+    """Return the usage of a command on one line."""
     return " ".join(parser.format_usage().removeprefix("usage: ").replace("[-h] ", "").split())
 
 
 def name_of(parser: argparse.ArgumentParser) -> str:
-    """The command of a parser; empty for that of the whole program, which errors name themselves."""
+    """The command of a parser; empty for the whole program, which errors name themselves."""
     return parser.prog.partition(" ")[2]
 
 
@@ -57,11 +57,11 @@ class CommandLine(argparse.ArgumentParser):
         raise RequestError(message, where=where, allowed=usage, hint=more)
 
     def read(self, words: Sequence[str]) -> argparse.Namespace:
-        """What the words say. Raises RequestError; with the options of the command where it takes no such word."""
+        """Parse the words. Raises RequestError, with the options of the command if it does not take a word."""
         for word in words:
             if not _is_text(word):
                 raise RequestError(
-                    "a word has characters that no file can keep", got=ascii(word), allowed="UTF-8 text without NUL",
+                    "a word has characters that no file can store", got=ascii(word), allowed="UTF-8 text without NUL",
                     hint="" if "\0" in word else "if it looks right, set PYTHONUTF8=1",
                 )  # fmt: skip
         options, left = self.parse_known_args(words)
@@ -74,7 +74,7 @@ class CommandLine(argparse.ArgumentParser):
         word = left[0].partition("=")[0]
         known = [name for action in command._actions for name in action.option_strings if name.startswith("--")]
         if not word.startswith("-"):
-            raise RequestError("a word too many", where=name_of(command), got=left[0], allowed=usage_of(command))
+            raise RequestError("unexpected word", where=name_of(command), got=left[0], allowed=usage_of(command))
         keys = "keys of a scene are set by --set KEY=VALUE, such as --set level=2" if "--set" in known else ""
         # without the dashes, which every option shares
         near = nearest(word.lstrip("-"), [name.lstrip("-") for name in known if name != "--help"])
@@ -82,6 +82,6 @@ class CommandLine(argparse.ArgumentParser):
         raise RequestError("unknown option", where=name_of(command), got=word, allowed=", ".join(known), hint=hint)
 
     def _command(self, words: Sequence[str]) -> argparse.ArgumentParser:
-        """The parser of the command among the words; this one where there is none."""
+        """The parser of the command among the words; this parser if there is none."""
         named: Any = next((a.choices for a in self._actions if isinstance(a, argparse._SubParsersAction)), {})
         return next((named[word] for word in words if word in named), self)

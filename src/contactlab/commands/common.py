@@ -1,4 +1,4 @@
-"""What several commands share: settings, registries, and standard output."""
+"""Functions that several commands share: settings, registries, and standard output."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 WIDTH_OF_FILES = 160
 ROOM_TO_SPARE = 110
-"""Width of a terminal from which on tables have their less important columns as well."""
+"""Width of a terminal above which tables have their less important columns as well."""
 
 
 def registry_with(files: Sequence[str]) -> Registry:
@@ -38,7 +38,7 @@ def parse_settings(texts: Sequence[str]) -> dict[str, Any]:
         name, equals, value = text.partition("=")
         name = name.strip()
         if not equals or not name:
-            raise RequestError("nothing is set here", where="--set", got=text, allowed="KEY=VALUE, such as level=2")
+            raise RequestError("no value is given", where="--set", got=text, allowed="KEY=VALUE, such as level=2")
         value = {"True": "true", "False": "false"}.get(value.strip(), value.strip())  # as Python writes them
         settings[name] = parse_value(value, f"--set {name}")
     return settings
@@ -52,7 +52,7 @@ def typed(command: str, options: argparse.Namespace, *more: str) -> str:
 
 
 def plugin_command(name: str, target: str, origin: Origin) -> Callable[[list[str]], int]:
-    """The function behind a command that a plugin brings. Raises PartError where it cannot be imported."""
+    """The function behind a command of a plugin. Raises PartError if it cannot be imported."""
     module, _, function = target.partition(":")
     try:
         command: Callable[[list[str]], int] = getattr(import_module(module), function)

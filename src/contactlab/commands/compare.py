@@ -29,7 +29,7 @@ def compare(options: argparse.Namespace) -> int:
         return compare_accuracy(cases, options)
     if options.quick:
         raise RequestError(
-            "only a study of cases has a quick form", where="--quick", got=options.scene, allowed="accuracy"
+            "only a study of cases has a quick version", where="--quick", got=options.scene, allowed="accuracy"
         )
     try:
         return _compare_scene(options)
@@ -64,7 +64,7 @@ def _compare_scene(options: argparse.Namespace) -> int:
             )  # fmt: skip
         except KeyboardInterrupt:
             line = resume_line(options, folder)
-            console().say(f"interrupted; go on with: {line}")
+            console().say(f"interrupted; resume with: {line}")
             return INTERRUPTED
     status = 0 if any(row.finished for row in result.rows) else 1
     if options.json:

@@ -17,7 +17,7 @@ def completion(options: argparse.Namespace) -> int:
 
 
 def complete(parser: argparse.ArgumentParser) -> None:
-    """Answer the shell, which asks by running the program; ends the process."""
+    """Answer the shell, which runs the program for completions; ends the process."""
     for action, completer in _completers(parser):
         action.completer = completer
     _argcomplete().autocomplete(parser)
@@ -80,7 +80,7 @@ def kinds(**_: Any) -> list[str]:
 
 
 def targets(prefix: str, **_: Any) -> list[str]:
-    """What can be checked: installed parts, and Python files nearby."""
+    """Return targets of `check`: installed parts, and Python files in the folder."""
     from argcomplete.completers import FilesCompleter
 
     return [*names("")(), *FilesCompleter(("py",))(prefix)]

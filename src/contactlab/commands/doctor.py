@@ -36,7 +36,7 @@ OPTIONAL = {
 DRIVER_FOLDERS = ("/usr/share/vulkan/icd.d", "/etc/vulkan/icd.d", "/usr/local/share/vulkan/icd.d",
                   "~/.local/share/vulkan/icd.d")  # fmt: skip
 INSTALL_DRIVER = (
-    "a driver in software serves: apt-get install mesa-vulkan-drivers libvulkan1 (Debian, Ubuntu) or "
+    "a software driver is enough: apt-get install mesa-vulkan-drivers libvulkan1 (Debian, Ubuntu) or "
     "dnf install mesa-vulkan-drivers vulkan-loader (Fedora)"
 )
 THREADS = ("OMP_NUM_THREADS", "NUMBA_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -76,7 +76,7 @@ def doctor(options: argparse.Namespace) -> int:
 
 
 def contact_step(registry: Registry) -> tuple[bool, str]:
-    """Whether a disc pressed on a block for some steps meets resistance, and how long that takes."""
+    """Press a disc on a block for some steps; return whether contact carries a force, and the times in words."""
     try:
         began = perf_counter()
         _probe(registry)
@@ -91,7 +91,7 @@ def contact_step(registry: Registry) -> tuple[bool, str]:
     if not force > 0.0:
         return False, f"the contact carries no force ({number(force)})"
     steps = results.summary["steps"]
-    return True, f"works: {steps} steps in {seconds:.2f} s after {ready:.1f} s to compile kernels or find them compiled"
+    return True, f"works: {steps} steps in {seconds:.2f} s after {ready:.1f} s to compile or load kernels"
 
 
 def _probe(registry: Registry) -> Results:
@@ -158,7 +158,7 @@ def _plugins(registry: Registry) -> Iterator[Fact]:
 def vulkan_driver(folders: Sequence[str] = DRIVER_FOLDERS) -> Fact:
     """The drivers that pictures of the timeline can be drawn with; only Linux may be without one."""
     if platform.system() != "Linux":
-        return Fact("Vulkan driver", "not needed: this system brings its own graphics")
+        return Fact("Vulkan driver", "not needed: this system has its own graphics")
     named = [os.environ.get(variable, "") for variable in ("VK_DRIVER_FILES", "VK_ICD_FILENAMES")]
     files = [Path(path) for text in named for path in text.split(os.pathsep) if path]
     files = files or [path for folder in folders for path in sorted(Path(folder).expanduser().glob("*.json"))]

@@ -1,4 +1,4 @@
-"""What each effect of a scene costs, by trials of the scene with and without it."""
+"""Cost of each effect of a scene, by trials of the scene with and without it."""
 
 from __future__ import annotations
 

@@ -48,19 +48,19 @@ def show(found: ErrorBudget, folder: Path) -> None:
     out = console()
     say = out.say
     if not found.shares:
-        say(f"the run as it is ended {found.status}: {found.reason}")
+        say(f"the run of the unchanged scene ended {found.status}: {found.reason}")
         return
     heads = [Column(name, keep=True) for name in ("made finer", "pressure, %")]
     out.print(Sheet([*heads, "force, %", "CPU s", "more, s", "how", ""], map(_row, found.shares)))
     say(
-        f"parts of the error of the run as it is ({significant(found.cost, 2)} CPU s), from what finer choices change; "
-        "mesh and elements: the same error twice; slaves: the difference, of which nobody knows which side is right"
+        f"parts of the error of the unchanged scene ({significant(found.cost, 2)} CPU s), by refining each choice; "
+        "mesh and elements: the same error twice; slaves: the difference, either may be right"
     )
     best = found.cheapest
     if best is not None:
         more = f"{significant(best.extra, 2)} CPU s more" if best.extra > 0.0 else "no more time"
         what = "forces" if math.isnan(best.pressure) else "pressure"
-        part = f"{percent(best.part)} % of the {what}" if best.resolved else "not resolved as it is"
+        part = f"{percent(best.part)} % of the {what}" if best.resolved else "not resolved yet"
         say(f"next: {best.knob.name}, {part}, for {more}")
     say(str(folder))
 
@@ -68,8 +68,8 @@ def show(found: ErrorBudget, folder: Path) -> None:
 def _row(share: Share) -> list[str]:
     settings = ", ".join(f"{key}={written(value, digits=6)}" for key, value in _changed(share))
     end = "" if share.status == "finished" else f"{share.status}: {share.reason[:60]}"
-    end = "no cure: no nearer to the finer mesh" if share.away else end
-    end = end if share.resolved else f"not resolved: changes by more than {percent(UNRESOLVED)} % tell no part"
+    end = "does not help: no closer to the finer mesh" if share.away else end
+    end = end if share.resolved else f"not resolved: no estimate from changes above {percent(UNRESOLVED)} %"
     costs = significant(share.cost, 2), significant(share.extra, 2)
     return [share.knob.name, _part(share.pressure), _part(share.force), *costs, settings, end]
 
@@ -80,7 +80,7 @@ def _part(value: float) -> str:
 
 
 def _changed(share: Share) -> list[tuple[str, Any]]:
-    """The key that makes it finer: the one of a ramp or of damping, where others are written out beside it."""
+    """The key that makes it finer: the key of a ramp or of damping, if others are written out with it."""
     settings = dict(share.knob.settings)
     wanted = f"time.{share.knob.name}"
     return [(wanted, settings[wanted])] if wanted in settings else list(settings.items())

@@ -56,7 +56,7 @@ def explain(options: argparse.Namespace) -> int:
 
 
 def price_lines(price: Estimate, costs: Sequence[EffectPrice]) -> Iterator[tuple[str, str]]:
-    """What the whole run will cost, what its effects do in it, and what others would."""
+    """Yield the cost of the whole run, the share of its effects, and the cost of further effects."""
     if price.reason:
         yield "cost estimate", f"its trial ended {price.reason}"
         return
@@ -69,9 +69,7 @@ def price_lines(price: Estimate, costs: Sequence[EffectPrice]) -> Iterator[tuple
         told = [effect_cost(cost, price.cpu_s) for cost in costs if cost.declared is declared and not cost.refused]
         if told:
             yield label, "; ".join(told)
-    whole = (
-        "a trial that was the whole run" if price.done >= 1.0 else f"a trial of {100.0 * price.done:.2g} % of the run"
-    )
+    whole = "a trial of the whole run" if price.done >= 1.0 else f"a trial of {100.0 * price.done:.2g} % of the run"
     more = "" if any(not cost.refused for cost in costs) else "; --effects tries the scene without each effect"
     yield "known from", whole + more
 
@@ -105,12 +103,12 @@ def overview(explanation: Explanation, spare: Sequence[str], command: str, price
 
 
 def _stable(s: Overview) -> str:
-    """The stable step in words, and what effects have to do with it; nothing where there is none."""
+    """The stable step in words, and the influence of effects; empty if there is none."""
     if s.stable_step != s.stable_step:
         return ""
     shortened = s.stable_step < SHORTENED * s.bodies_step
     effects = f" by effects or contact pressures, {number(s.bodies_step)} s without" if shortened else ""
-    return f" (the stable one is {number(s.stable_step)} s{effects})"
+    return f" (the stable step is {number(s.stable_step)} s{effects})"
 
 
 def _lines(e: Explanation, spare: Sequence[str]) -> Iterator[tuple[str, str]]:

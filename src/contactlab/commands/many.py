@@ -1,4 +1,4 @@
-"""What all commands that run many have in common: folder, driver, progress, and what is said after Ctrl-C."""
+"""Common functions of commands that make many runs: folder, driver, progress, and messages after Ctrl-C."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def folder_of(driver: Driver) -> Path:
 
 
 def interrupted(folder: Path) -> int:
-    """Say how to go on with what `folder` keeps; returns the exit status."""
-    line = f"interrupted; what is done is kept; add --out {folder} --resume to the same command to go on"
+    """Say how to resume in `folder`; returns the exit status."""
+    line = f"interrupted; finished runs are kept; to resume add --out {folder} --resume to the same command"
     print(line, file=sys.stderr)
     return INTERRUPTED

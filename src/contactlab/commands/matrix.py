@@ -95,11 +95,11 @@ def show_orders(found: Matrix) -> None:
 
 
 def _show_changes(found: Matrix, before: dict[tuple[str, ...], str]) -> int:
-    """What is better, worse, new or only in the earlier one; 1 where anything is worse."""
+    """Print cells that are better, worse, new or only in the earlier matrix; 1 if any is worse."""
     changes = against(found, before)
     out = console()
     said = ", ".join(f"{len(changes[name])} {name}" for name in ("better", "worse", "new"))
-    out.print(f"{said}; {len(changes['gone'])} in the earlier one alone", markup=False, highlight=False)
+    out.print(f"{said}; {len(changes['gone'])} only in the earlier matrix", markup=False, highlight=False)
     for name in ("worse", "better"):
         for key, old, new in changes[name]:
             label = ", ".join(text for text in key if text)

@@ -24,7 +24,7 @@ _SAID: Mapping[str, Mapping[str, Any]] = tomllib.loads((TEMPLATES / "kinds.toml"
 WAYS: Mapping[str, Mapping[str, tuple[str, str, str]]] = {
     kind: {way: tuple(files) for way, files in said["ways"].items()} for kind, said in _SAID.items() if "ways" in said
 }
-"""Of kinds that can be written in several ways, the usual one first: the part, its tests, and a summary of its own."""
+"""Ways to write parts of a kind, the usual way first: the part, its tests, and its summary."""
 _KEBAB = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 
 
@@ -34,14 +34,14 @@ def new_plugin(options: argparse.Namespace) -> int:
     files = plugin_files(options.kind, options.name, with_ci=options.with_ci, start=options.start)
     refuse_taken(options.kind, options.name)
     if folder.exists():
-        raise RequestError("the folder is there already", got=str(folder), hint="another name, or another folder")
+        raise RequestError("the folder exists already", got=str(folder), hint="another name, or another folder")
     for name, text in files.items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text)
     print(f"{folder}: a package with the {options.kind} {options.name}, in {len(files)} files")
     print(f"next: pip install -e '{folder}[test]' && pytest {folder}")
-    print(f"then change {folder}/src/{_module(options.name)}/{options.kind}.py; its tests say when it is right")
+    print(f"then edit {folder}/src/{_module(options.name)}/{options.kind}.py until its tests pass")
     print(f"then: contactlab check {folder.name} --kind {options.kind}")
     if len(ways := [*WAYS.get(options.kind, ())]) > 1 and not options.start:
         print(f"it is written as {ways[0]}; other ways: --from {' or '.join(ways[1:])}")
@@ -83,13 +83,13 @@ def plugin_files(kind: str, name: str, *, with_ci: bool = False, start: str = ""
 
 
 def refuse_name(name: str) -> None:
-    """Raise RequestError where `name` cannot be that of a part, its module and its class."""
+    """Raise RequestError if `name` cannot be the name of a part, its module and its class."""
     hint = "lower-case words joined by -, such as my-contact"
     if not _KEBAB.fullmatch(name):
-        raise RequestError("this cannot be the name of a part", got=name, allowed=hint)
+        raise RequestError("invalid name of a part", got=name, allowed=hint)
     module = _module(name)
     if keyword.iskeyword(module) or module in sys.stdlib_module_names:
-        raise RequestError("a word of Python cannot be the name of a package", got=name, allowed=hint)
+        raise RequestError("a keyword or module of Python cannot be the name of a package", got=name, allowed=hint)
     if _class_name(name) in api.__all__:
         raise RequestError(f"its class would be called {_class_name(name)}, as one of contactlab.api", got=name)
 
@@ -99,14 +99,14 @@ def refuse_taken(kind: str, name: str) -> None:
     if name in default_registry().names(kind):
         offer = default_registry().offer(kind, name)
         raise RequestError(
-            f"there is a {kind} of this name, from {offer.origin}", got=name, hint="two of one name are both left out"
+            f"there is a {kind} of this name, from {offer.origin}", got=name, hint="two parts of a name are not used"
         )
     if find_spec(_module(name)) is not None:
-        raise RequestError(f"a package {_module(name)} is installed; this one would hide it", got=name)
+        raise RequestError(f"a package {_module(name)} is installed; the new package would hide it", got=name)
 
 
 def _words(kind: str, name: str, summary: str = "") -> dict[str, str]:
-    """What the templates are filled with."""
+    """Return the values for the templates."""
     said = _SAID[kind]
     today = date.today()
     summary = summary or said["summary"]

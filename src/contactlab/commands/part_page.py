@@ -33,11 +33,11 @@ HEADS = {
     "function": '[[loads]]\nprofile.by = "x"\nprofile.function',
     "integrator": "integrator",
 }
-"""Where a scene writes a part of each kind."""
+"""Key of a scene for a part of each kind."""
 
 
 def page_of(offer: Offer, registry: Registry) -> dict[str, Any]:
-    """The part as plain data. Raises PartError where it cannot be imported."""
+    """The part as plain data. Raises PartError if it cannot be imported."""
     part = offer.part
     cls = registry.part_class(part.kind, part.name)
     example, scene = example_of(part.kind, part.name, registry)
@@ -51,7 +51,7 @@ def page_of(offer: Offer, registry: Registry) -> dict[str, Any]:
 
 
 def example_of(kind: str, name: str, registry: Registry) -> tuple[str, str]:
-    """How a scene names the part, and the bundled scene that does so; made from usual values where none does."""
+    """Example of the part in a scene, and the bundled scene with it; made from usual values if no scene has it."""
     for scene, path in bundled_scenes(registry).items():
         for spec in _specs(kind, _data_of(path), ()):
             if name in (spec, spec.get("use") if isinstance(spec, Mapping) else None):
@@ -61,7 +61,7 @@ def example_of(kind: str, name: str, registry: Registry) -> tuple[str, str]:
 
 @cache
 def _data_of(path: Path) -> dict[str, Any]:
-    """What a scene's file holds; nothing where it is broken, which is told elsewhere."""
+    """Content of a scene's file; empty if it is broken, which is reported elsewhere."""
     try:
         return read_toml(path, path.name)[0]
     except SceneError:
@@ -69,7 +69,7 @@ def _data_of(path: Path) -> dict[str, Any]:
 
 
 def _specs(kind: str, value: Any, path: tuple[str, ...]) -> Iterator[Any]:
-    """What a scene writes where parts of this kind are named."""
+    """Yield the values of a scene at keys for parts of this kind."""
     if path and kind_at(Scene, path) == kind:
         yield value
     elif isinstance(value, Mapping):

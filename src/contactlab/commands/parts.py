@@ -1,4 +1,4 @@
-"""`contactlab parts`: what is installed, and what one part is told by a scene."""
+"""`contactlab parts`: list installed parts, and describe the fields of a part."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from contactlab.scene.auto import AUTO, usual_order
 
 
 def parts(options: argparse.Namespace) -> int:
-    """List usable parts by kind, and everything broken with its reason; or tell all about one part."""
+    """List usable parts by kind, and everything broken with its reason; or describe a part."""
     registry = registry_with(options.files)
     if options.name is not None:
         return _tell(_found(options.name, registry), registry, options.json)
@@ -31,7 +31,7 @@ def parts(options: argparse.Namespace) -> int:
 
 
 def _found(name: str, registry: Registry) -> list[Offer]:
-    """The parts of this name; "kind.name" asks for one kind. Raises PartError with the nearest name."""
+    """The parts of this name; "kind.name" selects a kind. Raises PartError with the nearest name."""
     kind, _, bare = name.rpartition(".")
     offers = [o for o in registry.parts() if o.part.name == bare and kind in ("", o.part.kind)]
     if not offers:
@@ -41,7 +41,7 @@ def _found(name: str, registry: Registry) -> list[Offer]:
             "no part of this name is installed",
             where="parts",
             got=name,
-            allowed="a name that contactlab parts lists, or KIND.NAME",
+            allowed="a name listed by contactlab parts, or KIND.NAME",
             hint=order or did_you_mean(bare, names) or registry.missing_from(bare),
         )
     return offers
@@ -92,7 +92,7 @@ def _print_parts(usable: list[Offer], broken: list[Broken], burdens: list[Broken
         out.print(Sheet(heads, wrong, "broken"))
     for item in burdens:
         out.print(f"{item.origin}: {item.reason}", markup=False, highlight=False)
-    out.print("Fields, units, defaults and an example of one of them: contactlab parts NAME", highlight=False)
+    out.print("Fields, units, defaults and an example of a part: contactlab parts NAME", highlight=False)
 
 
 def _parts_table(usable: list[Offer], width: int) -> Sheet:

@@ -34,7 +34,7 @@ def plot(options: argparse.Namespace) -> int:
         drawn = _of_comparison(folder, options)
     else:
         if options.runs:
-            raise RequestError("runs are chosen in a comparison", where="--runs", got=str(folder), allowed="its folder")
+            raise RequestError("--runs needs a comparison", where="--runs", got=str(folder), allowed="its folder")
         drawn = _of_run(load_results(folder), options)
     if moving:
         from contactlab.reports.figures import house_style
@@ -49,12 +49,12 @@ def plot(options: argparse.Namespace) -> int:
 
 
 def _file(out: str | None, default: Path, allowed: tuple[str, ...]) -> Path:
-    """Where to write. Raises RequestError for another kind of file, or where nothing can be written."""
+    """Path to write to. Raises RequestError for another kind of file, or if it cannot be written."""
     file = default if out is None else Path(out)
     suffix = file.suffix.lower()
     if suffix not in allowed:
         raise RequestError(
-            "pictures of this kind are other files", where="--out", got=str(file),
+            "unsupported type of file", where="--out", got=str(file),
             allowed=f"a name that ends in {', '.join(allowed)}",
         )  # fmt: skip
     if suffix == ".mp4" and shutil.which("ffmpeg") is None:
@@ -63,7 +63,7 @@ def _file(out: str | None, default: Path, allowed: tuple[str, ...]) -> Path:
             allowed="a name that ends in .gif", hint="install ffmpeg (apt-get install ffmpeg), or write a gif",
         )  # fmt: skip
     if not file.resolve().parent.is_dir():
-        raise RequestError("there is no such folder", where="--out", got=str(file.parent), allowed="one that exists")
+        raise RequestError("there is no such folder", where="--out", got=str(file.parent), allowed="an existing folder")
     return file
 
 
@@ -99,7 +99,7 @@ def _of_comparison(folder: Path, options: argparse.Namespace) -> Any:
 
 
 def _bodies(folder: Path, names: list[str], options: argparse.Namespace) -> Any:
-    """Bodies of several runs beside each other."""
+    """Bodies of several runs side by side."""
     from contactlab.reports.notebook.pictures import fields_animation, fields_figure
     from contactlab.studies.recordings import runs_of, titled_runs
 
@@ -109,7 +109,7 @@ def _bodies(folder: Path, names: list[str], options: argparse.Namespace) -> Any:
         raise RequestError("no run of the comparison kept its results", where=str(folder), allowed=f"runs with {FILE}",
                            hint="compare with --keep all")  # fmt: skip
     if len(found) > MOST:
-        line = f"shown are the first {MOST} of {len(found)} runs; --runs NAME ... chooses others"
+        line = f"showing the first {MOST} of {len(found)} runs; choose others by --runs NAME ..."
         console().say(line)
     if options.what == "stress":
         return fields_figure(runs, options.field, _frame(options), options.flat)

@@ -18,7 +18,7 @@ from contactlab.errors import ContactlabError, ContactlabWarning, RequestError, 
 
 
 def run_program(arguments: Sequence[str] | None) -> int:
-    """Run the program with these words (those of the command line where there are none); gives the exit status."""
+    """Run the program with these words (by default of the command line); returns the exit status."""
     words = list(sys.argv[1:] if arguments is None else arguments)
     if arguments is None and "_ARGCOMPLETE" in os.environ:
         from contactlab.commands.completion import complete
@@ -42,7 +42,7 @@ def run_program(arguments: Sequence[str] | None) -> int:
         print(f"contactlab: {error}", file=sys.stderr)
         return error.exit_status
     except BrokenPipeError:
-        # the reader of our output has gone; there is nobody left to tell
+        # the reader of our output has gone; nobody is left to read a message
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     except OSError as error:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from contactlab.run.simulation import Progress
 
 EXIT_STATUS = {"finished": 0, "refused": 2, "interrupted": 130}
-"""Exit status by status of the run; any other is a simulation that failed."""
+"""Exit status by status of the run; any other status is a failed simulation."""
 
 
 def run(options: argparse.Namespace) -> int:
@@ -56,13 +56,13 @@ def run(options: argparse.Namespace) -> int:
     print_run(results, scene.data, out, options.verbose, options.profile)
     print_how_to_look(folder, registry, out)
     if results.status in RESUMABLE and (folder / FILE).exists():
-        out.say(f"go on with: {typed('run', options, '--out', str(folder), '--resume')}")
+        out.say(f"resume with: {typed('run', options, '--out', str(folder), '--resume')}")
     return status
 
 
 @contextmanager
 def shown_progress(scene: Scene) -> Iterator[Progress | None]:
-    """A bar with step, time and energy error; None where nobody watches."""
+    """A bar with step, time and energy error; None if the output is not a terminal."""
     if not sys.stderr.isatty():
         yield None
         return

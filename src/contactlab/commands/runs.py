@@ -98,7 +98,7 @@ def _chosen(found: Sequence[Folder], names: Sequence[str]) -> list[Folder]:
 def _remove(chosen: Sequence[Folder], sure: bool) -> int:
     total = _size(sum(folder.bytes for folder in chosen))
     if not sure and not sys.stdin.isatty():
-        raise RequestError("nobody is asked here", where="--remove", hint="add --yes to remove without asking")
+        raise RequestError("no terminal to confirm", where="--remove", hint="add --yes to remove without asking")
     for folder in chosen:
         print(visible(f"{folder.path}  {folder.status}  {_size(folder.bytes)}"))
     if not chosen:

@@ -76,7 +76,7 @@ def _print_scenes(rows: list[dict[str, Any]]) -> None:
         lines.append([row["name"], *pairs, source])
     # names stay whole, the source wraps
     out.print(Sheet([*(Column(name, whole=True, keep=True) for name in names), Column("source", keep=True)], lines))
-    for line in ("print one:       contactlab scenes NAME", "begin your own:  contactlab new-scene MINE --from NAME"):
+    for line in ("print one:       contactlab scenes NAME", "start your own:  contactlab new-scene MINE --from NAME"):
         out.print(line, highlight=False)
 
 
@@ -94,15 +94,15 @@ def new_scene(options: argparse.Namespace) -> int:
     """Write NAME.toml: another scene under this name, with its comments."""
     name = options.name.removesuffix(".toml")
     if not NAME.fullmatch(Path(name).name):
-        allowed = "letters, digits, . _ + and -, a folder before it where wanted"
+        allowed = "letters, digits, . _ + and -, optionally after a folder"
         raise RequestError("not a usable name", where="new-scene", got=options.name, allowed=allowed)
     registry = registry_with(options.files)
     source, shown = find_scene(options.source, registry)
-    load_scene(options.source, registry)  # what is wrong with it is told here, and not at the first run of the copy
+    load_scene(options.source, registry)  # its errors are reported here, and not at the first run of the copy
     file = Path(f"{name}.toml")
     if usable(file, "new-scene").exists():
         raise RequestError(
-            "the file is there already", where="new-scene", got=str(file), allowed="a name that is free",
+            "the file exists already", where="new-scene", got=str(file), allowed="a new name",
             hint="choose another name",
         )  # fmt: skip
     text = named(text_outside(source, shown, "a scene"), Path(name).name, str(options.source))

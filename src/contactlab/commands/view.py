@@ -19,7 +19,7 @@ from contactlab.studies.recordings import checked_names, left_out, main_runs_of,
 from contactlab.studies.shown_file import as_asked, recording_in, showing_recorder
 
 PANEL = "panel"
-"""Folder of the recording of one panel that was asked for."""
+"""Folder of the recording of a single panel."""
 
 
 def view(options: argparse.Namespace) -> int:
@@ -27,10 +27,10 @@ def view(options: argparse.Namespace) -> int:
     _check_place(options)
     recorder = _recorder(default_registry())
     if not options.path:
-        raise RequestError("there is nothing to look at", where="DIR-or-RRD", got="", allowed="a folder or a recording")
+        raise RequestError("no folder is given", where="DIR-or-RRD", got="", allowed="a folder or a recording")
     path = Path(options.path)
     if options.runs and (path.is_file() or (path / FILE).is_file()):
-        raise RequestError("runs are chosen of a comparison", where="--runs", got=str(path), allowed="its folder")
+        raise RequestError("--runs needs a comparison", where="--runs", got=str(path), allowed="its folder")
     if options.panel:
         file = _one_panel(path, recorder, options)
     else:
@@ -60,13 +60,13 @@ def _check_place(options: argparse.Namespace) -> None:
                 hint="add --png FILE; in the viewer, move the cursor",
             )
     if options.step is not None and options.iteration is not None:
-        raise RequestError("a picture is of a step or an iteration", where="--iteration", hint="leave out one of them")
+        raise RequestError("a picture shows a step or an iteration", where="--iteration", hint="omit one of them")
 
 
 def _one_panel(path: Path, recorder: Recorder, options: argparse.Namespace) -> Path:
-    """A recording of one panel alone, made anew from the results, in a folder beside that of all of them."""
+    """A recording of one panel alone, made from the results, in a folder next to the folder of all panels."""
     if not path.is_dir() or not hasattr(recorder, "panel"):
-        raise RequestError("panels are taken from results", where="--panel", got=str(path), allowed="a folder of a run")
+        raise RequestError("--panel needs results", where="--panel", got=str(path), allowed="a folder of a run")
     folder = path / PANEL
     known = folder.exists()
     folder.mkdir(parents=True, exist_ok=True)
@@ -92,21 +92,21 @@ def _panel_of(recorder: Recorder, run: Results | None, panel: str) -> Recorder:
 
 
 def _recorder(registry: Registry) -> Recorder:
-    """The recorder whose recordings are looked at. Raises RequestError where none is installed."""
+    """The recorder with a viewer. Raises RequestError if none is installed."""
     recorder = showing_recorder(registry)
     if recorder is None:
         raise RequestError(
-            "no installed recorder makes recordings that can be looked at",
+            "no installed recorder makes recordings for a viewer",
             where="view",
-            hint=" ".join(["pip install", *registry.missing_packages(optional=False)]) + ", which usually brings one",
+            hint=" ".join(["pip install", *registry.missing_packages(optional=False)]) + ", which usually has one",
         )
     return recorder
 
 
 def _writable(png: Path) -> Path:
-    """The place of the picture. Raises RequestError where nothing can be written there."""
+    """Path of the picture. Raises RequestError if it cannot be written."""
     if png.suffix.lower() != ".png":
         raise RequestError("pictures are PNG files", where="--png", got=str(png), allowed="a name that ends in .png")
     if not png.resolve().parent.is_dir():
-        raise RequestError("there is no such folder", where="--png", got=str(png), allowed="one that exists")
+        raise RequestError("there is no such folder", where="--png", got=str(png), allowed="an existing folder")
     return png

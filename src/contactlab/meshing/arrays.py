@@ -22,7 +22,7 @@ from contactlab.meshing.refine import refined
 from contactlab.meshing.room import check_number
 
 CELLS = {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8", 9: "quad9"}
-"""Names that meshio has for cells, by number of nodes."""
+"""Names of cells in meshio, by number of nodes."""
 VTK = {5: 3, 9: 4, 22: 6, 23: 8, 28: 9}
 GMSH = {2: 3, 3: 4, 9: 6, 10: 9, 16: 8}
 """Nodes of a plane cell by the number of its type."""
@@ -67,7 +67,7 @@ class MeshSpec(dict[str, Any]):
 
 @dataclass
 class _Parts:
-    """What a mesh consists of: nodes, cells, and edge sets as lines (k, 2) or as nodes (k,)."""
+    """Parts of a mesh: nodes, cells, and edge sets as lines (k, 2) or as nodes (k,)."""
 
     points: np.ndarray
     cells: np.ndarray
@@ -100,7 +100,7 @@ def mesh(points: Any, cells: Any = None, sets: Mapping[str, EdgeSet] | None = No
         spec = MeshSpec({"use": "arrays", "content": base64.b64encode(packed).decode()})
     except (ValueError, TypeError, OverflowError, IndexError) as error:
         raise RequestError(
-            f"no mesh can be made of this: {error}", where="contactlab.mesh", got=[points, cells, sets],
+            f"invalid mesh: {error}", where="contactlab.mesh", got=[points, cells, sets],
             allowed="points (N, 2), cells (n, 4), (n, 8) or (n, 9), edge sets (k, 2) or (k,), which are numbers",
         ) from error  # fmt: skip
     return spec
@@ -116,7 +116,7 @@ def _parts(points: Any, cells: Any) -> _Parts:
             raise ValueError(f"the grid has {kinds}, allowed: cells of one kind")
         return _Parts(np.asarray(points.points, float), np.asarray(next(iter(found.values())), np.int64))
     if cells is None:
-        raise RequestError("cells are needed beside points", where="contactlab.mesh", allowed="node numbers (n, 4)")
+        raise RequestError("cells are needed with points", where="contactlab.mesh", allowed="node numbers (n, 4)")
     return _Parts(np.asarray(points, float), np.asarray(cells, np.int64))
 
 

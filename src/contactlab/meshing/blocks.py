@@ -20,7 +20,7 @@ class Rectangle(MeshSource):
 
     x, y     two or more increasing coordinates in each direction [mm]: the corners, and between them the
              ends of spans with cell counts of their own
-    cells    columns and rows at level 1; a list in place of a number gives the count of each span
+    cells    columns and rows at level 1; a list instead of a number gives the count of each span
     grading  last over first cell size in x and in y [-]; a list gives one for each span
     """
 
@@ -72,7 +72,7 @@ class ArcBlock(MeshSource):
         if not self.top > self._arc(self.half_width):
             raise ValueError(f"top: got {self.top}, allowed: above the end of the arc, {self._arc(self.half_width):g}")
         if self.grading[0] != 1.0 and self.cells[0] % 2:
-            raise ValueError(f"cells: got {list(self.cells)}, allowed: an even number of columns where they are graded")
+            raise ValueError(f"cells: got {list(self.cells)}, allowed: an even number of columns if they are graded")
 
     def _arc(self, x: Floats | float) -> Floats:
         return np.asarray(self.radius - np.sqrt(self.radius**2 - np.asarray(x) ** 2))

@@ -1,4 +1,4 @@
-"""What no mesh of a body may be, whoever made it: told before anything is computed from it."""
+"""Checks of every body's mesh, whatever its source, before anything is computed from it."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def _check_places(mesh: Mesh, where: Where) -> None:
             where=where,
             got=f"node {lost[0]} at ({x:g}, {y:g})",
             allowed=f"finite coordinates up to {FARTHEST:g}",
-            hint="look at the numbers of the mesh, and at shift",
+            hint="check the coordinates of the mesh, and shift",
         )
 
 
@@ -47,11 +47,11 @@ def _check_twice(mesh: Mesh, where: Where) -> None:
     if len(again):
         copies, first = order[again + 1], order[again]
         raise SceneError(
-            f"{len(again)} of {len(mesh.cells)} cells are there twice, with twice the stiffness and mass",
+            f"{len(again)} of {len(mesh.cells)} cells are duplicates, which doubles stiffness and mass",
             where=where,
             got=f"cell {copies.min()} has the nodes of cell {first[copies.argmin()]}",
             allowed="every cell once",
-            hint="take the copies out of the mesh",
+            hint="remove the duplicates from the mesh",
         )
 
 
@@ -62,7 +62,7 @@ def _check_areas(mesh: Mesh, element: Element, where: Where) -> None:
     empty = np.flatnonzero(np.abs(areas).max(axis=1) <= NO_AREA)
     _refuse_cells(
         mesh, empty, where, "have no area", "cells whose corners do not lie on one line or in one place",
-        "look for nodes that lie on each other",
+        "check for coincident nodes",
     )  # fmt: skip
     _refuse_cells(
         mesh, inverted_cells(mesh, element), where, "are inverted",
@@ -89,11 +89,11 @@ def _check_pieces(mesh: Mesh, where: Where) -> None:
     if len(found) > 1:
         cells = np.flatnonzero(label[mesh.cells[:, 0]] == found[1])
         raise SceneError(
-            f"the mesh falls into {len(found)} pieces that share no node",
+            f"the mesh has {len(found)} pieces that share no node",
             where=where,
             got=f"cells {len(mesh.cells) - len(cells)} and {len(cells)}, cell {cells[0]} the first of the latter",
             allowed="one piece per body",
-            hint="make each piece a body of its own, or join nodes that lie on each other",
+            hint="make each piece a separate body, or merge coincident nodes",
         )
 
 

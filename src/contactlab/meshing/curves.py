@@ -25,9 +25,9 @@ def facet_depths(surface: Surface, reference: Floats) -> Floats:
 def distances_to_curve(points: Floats, surface: Surface, position: Floats, reference: Floats) -> Floats:
     """Distances (n,) [mm] of points (n, 2) to the curve through the nodes of a surface, negative inside.
 
-    Beyond the end of a chain they are those along the normal of its last segment: no surface is there to stand off.
+    Beyond the end of a chain they are measured along the normal of its last segment, as there is no surface.
 
-    position   (N, 2) [mm] of the model's nodes; reference: where they were, which tells facets from kinks
+    position   (N, 2) [mm] of the model's nodes; reference: undeformed, which distinguishes facets from kinks
     """
     depths = facet_depths(surface, reference) * np.sign(turns(surface, reference))
     return _in_parts(points, surface, position, depths)
@@ -45,7 +45,7 @@ def _in_parts(points: Floats, surface: Surface, position: Floats, depths: Floats
 
 
 def nearest_segments(points: Floats, surface: Surface, position: Floats) -> tuple[Ints, Floats]:
-    """Segments (n,) of a surface nearest to points (n, 2), and where (n,) on their lines the points' feet are.
+    """Segments (n,) of a surface nearest to points (n, 2), and the projections (n,) of the points on their lines.
 
     0 is the start of a segment and 1 its end; `position` (N, 2) [mm] are those of the model's nodes.
     """

@@ -45,7 +45,7 @@ class MeshFile(MeshSource):
             raise ValueError(f"scale: got {self.scale}, allowed: a factor > 0")
         if not self.path.is_file():
             raise ValueError(
-                f"path: got {self.path}, allowed: an existing mesh file, seen from the folder of the scene"
+                f"path: got {self.path}, allowed: an existing mesh file, relative to the folder of the scene"
             )
 
     def mesh(self, element: Element, level: int) -> Mesh:
@@ -57,7 +57,7 @@ class MeshFile(MeshSource):
 
 
 def _read(path: Path) -> Any:
-    """What meshio makes of the file. meshio ends the process on formats it does not know: that is caught."""
+    """Read the file by meshio, which ends the process on unknown formats: that is caught."""
     try:
         import meshio
     except ModuleNotFoundError as missing:
@@ -69,8 +69,8 @@ def _read(path: Path) -> Any:
             return meshio.read(path)
     except MemoryError as error:
         raise ValueError(
-            f"path: got {path.name}, {size} bytes that take more than {GROWTH:g} times as many to read, "
-            "allowed: a mesh file that is not packed so much"
+            f"path: got {path.name}, {size} bytes that need more than {GROWTH:g} times as much memory to read, "
+            "allowed: a mesh file with less compression"
         ) from error
     except (Exception, SystemExit) as error:
         said = " ".join(f"{words.getvalue()} {error if not isinstance(error, SystemExit) else ''}".split())

@@ -10,10 +10,10 @@ import numpy as np
 from contactlab.api import Floats
 
 Counts = int | tuple[int, ...]
-"""Cells of each span at level 1; one number where there is one span."""
+"""Cells of each span at level 1; a number if there is one span."""
 
 Ratios = float | tuple[float, ...]
-"""Last over first cell size of each span; one number for all spans."""
+"""Last over first cell size of each span; a number for all spans."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ def axis(ends: tuple[float, ...], counts: Counts, ratios: Ratios, level: int) ->
 
 
 def shares(count: int, ratio: float, level: int) -> Floats:
-    """Where the corner nodes of a span lie (count * level + 1,), from 0 to 1; `ratio` as at level 1."""
+    """Positions (count * level + 1,) of the corner nodes of a span, from 0 to 1; `ratio` as at level 1."""
     xi = np.linspace(0.0, 1.0, count * level + 1)
     if ratio == 1.0 or count == 1:
         return xi

@@ -1,4 +1,4 @@
-"""How deep points lie inside a closed boundary, in time and memory that grow with their number alone."""
+"""Depth of points inside a closed boundary, in time and memory that grow with their number alone."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def depths_inside(points: Floats, positions: Floats, edges: Ints) -> Floats:
 
 
 def windings(points: Floats, positions: Floats, edges: Ints) -> Floats:
-    """How often the boundary goes round each point (p,), its inside on the left; 0 outside.
+    """Winding numbers of the boundary around points (p,), its inside on the left; 0 outside.
 
     A ray from the point meets the edges that begin on one side of it and end on the other (the crossing rule with
     signs, Sunday 2001).

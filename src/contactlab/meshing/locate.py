@@ -1,4 +1,4 @@
-"""Where points lie in a mesh: cell and reference coordinates."""
+"""Location of points in a mesh: cell and reference coordinates."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from contactlab.api import Element, Floats, Mesh
 
 ROUNDS = ((1, 1.0 + 1e-6), (8, 1.25), (64, 1.25))
-"""Nearest cells that are tried for points farther outside of those before than this, in reference coordinates."""
+"""Nearest cells to try for points farther outside the previous cells than this, in reference coordinates."""
 
 FARTHEST = 3.0  # reference coordinates: beyond it shape functions say nothing of a cell
 ITERATIONS = 8  # of Newton's method: convex cells need three, quadratic sides a few more
@@ -20,7 +20,7 @@ Cells = NDArray[np.int64]
 def located(mesh: Mesh, element: Element, points: Floats) -> tuple[Cells, Floats]:
     """Cells (n,) and reference coordinates (n, 2) of `points` (n, 2).
 
-    A point that no cell holds, as beside the chords of a curved side, gets the cell that it is least outside of, and
+    A point outside all cells, as between a curved side and its chords, gets the cell that it is least outside of, and
     coordinates beyond [-1, 1].
     """
     from scipy.spatial import cKDTree
@@ -43,7 +43,7 @@ def located(mesh: Mesh, element: Element, points: Floats) -> tuple[Cells, Floats
 
 
 def _reference_coordinates(corners: Floats, element: Element, points: Floats) -> Floats:
-    """Newton's method for all points at once: `corners` (n, a, 2) are the nodes of each point's cell."""
+    """Newton's method for all points together: `corners` (n, a, 2) are the nodes of each point's cell."""
     place = np.zeros_like(points)
     for _ in range(ITERATIONS):
         shape = element.shape(place)

@@ -96,7 +96,7 @@ def segments_of(sides: Ints) -> Ints:
 def surface_from_edges(edges: Ints) -> Surface:
     """The contact surface made of `edges` (e, b): start, end, then inner nodes; the body on the left.
 
-    Edges may come in any order and form several chains, open or closed. Raises ValueError where an
+    Edges may come in any order and form several chains, open or closed. Raises ValueError if an
     edge set branches.
     """
     order = _chain_order(edges)

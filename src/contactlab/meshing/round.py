@@ -139,7 +139,7 @@ class Ring(MeshSource):
 
 
 def welded(grids: Iterable[Mesh]) -> Mesh:
-    """One mesh of several grids that touch: coincident nodes become one, edge sets of one name are joined.
+    """Mesh of several grids that touch: coincident nodes are merged, edge sets of one name are joined.
 
     Nodes keep the order in which the grids bring them.
     """

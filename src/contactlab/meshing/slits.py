@@ -1,8 +1,8 @@
 """Meshes that are open inside: sides of cells that lie on each other and share no nodes, so that nothing joins them.
 
-Such a slit comes of geometry drawn twice (nodes on nodes) or of cells refined beside coarse ones (hanging nodes). The
-body is too soft there, and no later step can tell it from a body that is meant to have a crack. So it is refused,
-unless a contact of the body joins both of its sides: then it is meant.
+Such a slit results from geometry drawn twice (nodes on nodes) or refined cells next to coarse cells (hanging nodes).
+The body is too soft there, and no later step can distinguish it from a crack that is intended. So it is refused,
+unless a contact of the body joins both of its sides: then it is intended.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from contactlab.meshing.mesh import outer_sides, segments_of
 if TYPE_CHECKING:
     from contactlab.errors import Where
 
-CLOSED = 0.01  # of the size of the cells beside it: a narrower gap counts as none, as for bodies that meet no contact
+CLOSED = 0.01  # of the size of the adjacent cells: a narrower gap counts as closed, as for bodies without a contact
 CURVED = 1.2  # of the depth of facets: how far nodes of a curve lie from the sides of a coarser division of it
 THIN = 0.25  # of the size of the cells: the same at most, so that sides of a thin curved shell are not a slit
 BACK = -0.8  # cosine between both sides of a slit, which run in opposite directions
@@ -47,15 +47,15 @@ def check_closed(mesh: Mesh, element: Element, joined: Pairs, where: Where) -> N
         return
     places = mesh.nodes[found]
     first, last = places[np.lexsort(places.T[::-1])[[0, -1]]]
-    kinds = [f"{len(twice)} lie on other nodes"] if len(twice) else []
-    kinds += [f"{len(hanging)} hang on sides of cells that do not have them"] if len(hanging) else []
+    kinds = [f"{len(twice)} coincide with other nodes"] if len(twice) else []
+    kinds += [f"{len(hanging)} are hanging nodes on sides of other cells"] if len(hanging) else []
     raise SceneError(
-        f"the mesh is open inside: {len(found)} nodes on both sides of a slit are not joined",
+        f"the mesh has a slit inside: {len(found)} nodes on both sides of it are not joined",
         where=where,
         got=f"{' and '.join(kinds)}, from ({first[0]:.6g}, {first[1]:.6g}) to ({last[0]:.6g}, {last[1]:.6g})",
         allowed="cells that share the nodes between them, or a contact between both sides of the slit",
-        hint="merge nodes that lie on each other (gmsh.model.mesh.removeDuplicateNodes()) and divide both sides of the "
-        "line alike; if a slit is meant, name its sides as edge sets and add a contact: one is slave, the other master",
+        hint="merge coincident nodes (gmsh.model.mesh.removeDuplicateNodes()) and divide both sides of the line "
+        "equally; for an intended slit, name its sides as edge sets and add a contact between them",
     )
 
 
@@ -78,7 +78,7 @@ class _Sides:
     def _facet_depths(self) -> Floats:
         """Distance (e,) of a smooth curve through the boundary from each segment: length times turn over 8.
 
-        Where several segments begin at a node, as at the end of a slit, the straightest goes on.
+        If several segments begin at a node, as at the end of a slit, the straightest continues the curve.
         """
         out = np.argsort(self.ends[:, 0], kind="stable")
         start = np.searchsorted(self.ends[out, 0], self.ends[:, 1])
@@ -120,7 +120,7 @@ class _Sides:
         return np.asarray(np.hypot(*(to - share[:, None] * along).T))
 
     def within(self, names: Sequence[str]) -> Any:
-        """Which segments (e,) belong to some edge sets."""
+        """Mask (e,) of the segments in some edge sets."""
         count = len(self.nodes)
         wanted = [segments_of(self.mesh.edges[name]) for name in names if name in self.mesh.edges]
         keys = [part[:, 0].astype(np.int64) * count + part[:, 1] for part in wanted]

@@ -11,7 +11,7 @@ NEAR = 4  # segments to the next turn: of straight sides that were divided by a 
 
 
 def turns(surface: Surface, reference: Floats) -> Floats:
-    """Angle (m,) [rad] from the segment before each node to the one behind it; 0 at ends."""
+    """Angle (m,) [rad] from the segment before each node to the segment after it; 0 at ends."""
     begin, end = (reference[surface.nodes[surface.segments[:, k]]] for k in range(2))
     along = end - begin
     into, out = surface.node_segments.T
@@ -23,7 +23,7 @@ def turns(surface: Surface, reference: Floats) -> Floats:
 
 
 def facet_lengths(surface: Surface, reference: Floats) -> Floats:
-    """Length (m,) [mm] of the longer facet beside each node of a curve; nan where no like turn is near."""
+    """Length (m,) [mm] of the longer facet next to each node of a curve; NaN if no similar turn is near."""
     begin, end = (reference[surface.nodes[surface.segments[:, k]]] for k in range(2))
     length, angle = np.hypot(*(end - begin).T), turns(surface, reference)
     found = np.full((2, len(angle)), np.nan)

@@ -1,4 +1,4 @@
-"""What a class must be to serve as a part of its kind."""
+"""Checks that a class can serve as a part of its kind."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ BASES: dict[str, tuple[type, ...]] = {
 """The classes of `contactlab.api` that a part of each kind derives from."""
 
 _SOUND: WeakKeyDictionary[type, set[str]] = WeakKeyDictionary()
-"""Kinds for which a class was found to be without fault: a run asks a hundred times, and an answer takes 2 ms."""
+"""Kinds for which a class passed the checks: a run checks a hundred times, and a check takes 2 ms."""
 
 
 def faults(kind: str, target: object) -> list[str]:
@@ -65,7 +65,7 @@ def _faults(kind: str, target: object) -> list[str]:
     bases = BASES[kind]
     allowed = " or ".join(f"contactlab.api.{base.__name__}" for base in bases)
     if not isinstance(target, type):
-        return [f"it is no class but {type(target).__name__}; allowed: a subclass of {allowed}"]
+        return [f"it is not a class but {type(target).__name__}; allowed: a subclass of {allowed}"]
     if not issubclass(target, bases):
         older = issubclass(target, Integrator)  # which parts of version 1 derived from
         return [f"it does not derive from {allowed}{'; to change: ' + NEW_IN_2['integrator'] if older else ''}"]
@@ -139,7 +139,7 @@ def _memory_without_use(target: type) -> list[str]:
     if not issubclass(target, FrictionLaw | NormalLaw) or not target.memory:
         return []
     base, needs = (FrictionLaw, FrictionNeed) if issubclass(target, FrictionLaw) else (NormalLaw, NormalNeed)
-    found = [] if target.evolve is not base.evolve else ["it has memory and no evolve, which would change it"]
+    found = [] if target.evolve is not base.evolve else ["it has memory but no evolve to update it"]
     names = {*get_args(needs), *target.needs}
     taken = [name for name in target.memory if name in names or target.memory.count(name) > 1]
     return found + ([f"its memory is {target.memory}; allowed: names that differ, and none of needs"] if taken else [])
@@ -180,12 +180,12 @@ def _misspelt(target: type) -> list[str]:
         for name in {*vars(base), *inspect.get_annotations(base)} - fields - known:
             near = [] if name.startswith("_") else get_close_matches(name, known, 1, MISSPELT)
             if near and near[0] not in vars(base):
-                found.append(f"its {name} is nothing that the contract knows; did you mean {near[0]}?")
+                found.append(f"its {name} is not known to the contract; did you mean {near[0]}?")
     return sorted(found)
 
 
 def _not_a_record(target: type) -> list[str]:
     settings = target.__dict__.get("__dataclass_params__")
     if settings is None or not dataclasses.is_dataclass(target):
-        return ["it is no dataclass; write @dataclass(frozen=True) above it"]
+        return ["it is not a dataclass; write @dataclass(frozen=True) above it"]
     return [] if settings.frozen else ["it is not frozen; write @dataclass(frozen=True) above it"]

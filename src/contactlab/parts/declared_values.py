@@ -1,4 +1,4 @@
-"""Whether the class attributes of a part have values that the contract allows."""
+"""Check of the values of a part's class attributes against the contract."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ LEAST = {"degree": 1, "order": 1, "rows_per_node": 1}
 """Smallest value of the class attributes that count something; 0 for all others."""
 
 SPELT = 0.85
-"""Likeness from which on a name of one's own choice is a known one misspelt."""
+"""Similarity above which a freely chosen name counts as a misspelt known name."""
 
 _DECLARED: WeakKeyDictionary[type, dict[str, Any]] = WeakKeyDictionary()
 
@@ -47,7 +47,7 @@ def declared(target: type) -> Mapping[str, Any]:
 
 
 def _wanted(name: str, hint: Any, value: Any) -> str:
-    """What is allowed in place of `value`, or nothing if it is."""
+    """Return what is allowed instead of `value`, empty if it is valid."""
     origin = get_origin(hint)
     if origin is Literal:
         choices = get_args(hint)
@@ -87,10 +87,10 @@ def _wanted_in_table(entry: Any, value: Any) -> str:
 def _wanted_in_tuple(entry: Any, value: Any) -> str:
     known = next((get_args(one) for one in (entry, *get_args(entry)) if get_origin(one) is Literal), ())
     if known:
-        # names of others' choice may stand beside known ones: there those that are nearly known are misspelt
+        # freely chosen names may be mixed with known names: names that are nearly known are misspelt
         choices = ", ".join(map(show, known)) + (" and names of fields" if str in get_args(entry) else "")
         if not isinstance(value, tuple) or not all(isinstance(one, str) for one in value):
-            return f"a tuple of texts among {choices}"
+            return f"a tuple of strings among {choices}"
         others = [one for one in value if one not in known]
         if str in get_args(entry):
             others = [one for one in others if get_close_matches(one, known, 1, SPELT)]
@@ -98,12 +98,12 @@ def _wanted_in_tuple(entry: Any, value: Any) -> str:
         return "; ".join([f"texts among {choices}", *filter(None, nearest[:1])]) if others else ""
     if entry is str:
         fits = isinstance(value, tuple) and all(isinstance(text, str) for text in value)
-        return "" if fits else "a tuple of texts"
+        return "" if fits else "a tuple of strings"
     if entry is float:
         fits = isinstance(value, tuple) and all(isinstance(x, float | int | np.number) for x in value)
         return "" if fits else "a tuple of numbers"
     if get_origin(entry) is not tuple:
-        return "" if isinstance(value, tuple) and value else "a tuple with something in it"
+        return "" if isinstance(value, tuple) and value else "a tuple that is not empty"
     fits = isinstance(value, tuple) and all(isinstance(row, tuple) and all(map(_whole, row)) for row in value)
     return "" if fits else "a tuple of tuples of whole numbers"
 
@@ -116,4 +116,4 @@ def _unnamed_history(target: type) -> list[str]:
     names, size = getattr(target, "history_names", ()), getattr(target, "history_size", 0)
     if isinstance(names, property) or isinstance(size, property) or len(names) == size:
         return []
-    return [f"its history_names name {len(names)} numbers and its history_size is {size}; allowed: a name per number"]
+    return [f"its history_names has {len(names)} names, its history_size is {size}; allowed: a name per number"]

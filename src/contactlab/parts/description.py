@@ -1,4 +1,4 @@
-"""What a part says of itself, read from its class: sentences, and each field with its unit, default and meaning."""
+"""Description of a part, read from its class: sentences, and each field with its unit, default and meaning."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class FieldDescription:
 
 
 def prose(cls: type[Any]) -> str:
-    """What the docstring of a part says before and after its fields."""
+    """Return the docstring of a part before and after its fields."""
     lines, inside = [], False
     for line in (inspect.getdoc(cls) or "").splitlines():
         names = _field_names(line, cls)

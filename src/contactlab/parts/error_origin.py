@@ -1,4 +1,4 @@
-"""Which plugin an exception comes from: its author wants that file and line, not a traceback through the core."""
+"""Origin of an exception in a plugin: its author wants the file and line, not a traceback through the core."""
 
 from __future__ import annotations
 

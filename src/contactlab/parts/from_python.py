@@ -14,13 +14,13 @@ from contactlab.parts.registry import default_registry
 
 @arguments(part=(type, *NAME), name=str)
 def use(part: type | str | Path, name: str = "") -> str:
-    """Offer a part to all scenes that this program loads from now on, and give back the name that scenes know it by.
+    """Offer a part to all scenes that this program loads from now on, and return its name in scenes.
 
     part  a class of one of the kinds of `contactlab.api`, or a Python file with hooks, as `--with` takes it
     name  of a class; by default its own, in lower-case words joined by "-"
 
-    Comparisons run in processes of their own, which import a class from where it was written: one that was typed into
-    a notebook serves in runs alone. Raises PartError where the part does not keep the contract, or the name is taken.
+    Comparisons run in separate processes, which import a class from its module: a class that was typed into a notebook
+    works in runs only. Raises PartError if the part does not keep the contract, or the name is taken.
     """
     if not isinstance(part, type):
         default_registry().add_file(part)

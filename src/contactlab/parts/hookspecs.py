@@ -31,7 +31,7 @@ hookspec = pluggy.HookspecMarker(PROJECT)
 
 @hookspec
 def contactlab_parts() -> Sequence[Part]:  # type: ignore[empty-body]
-    """The parts on offer. Called once, when plugins are loaded; targets are imported when a scene asks."""
+    """The parts on offer. Called once, when plugins are loaded; targets are imported when a scene uses them."""
 
 
 @hookspec

@@ -31,7 +31,7 @@ SLOW_CPU, SLOW = 0.3, 2.0
 
 @dataclass(frozen=True)
 class Origin:
-    """Where a plugin comes from: the entry point's name, its distribution and version.
+    """Origin of a plugin: the entry point's name, its distribution and version.
 
     A file given by hand is its own distribution.
     """
@@ -90,7 +90,7 @@ def misplaced() -> list[Broken]:
         return []
     near = [g for g in entry_points().groups if g != GROUP and get_close_matches(g, [GROUP], cutoff=MISSPELT)]
     return [
-        Broken(origin_of(point), f'its entry point stands in the group "{group}"; allowed: "{GROUP}"')
+        Broken(origin_of(point), f'its entry point is in the group "{group}"; allowed: "{GROUP}"')
         for group in sorted(near)
         for point in entry_points(group=group)
     ]
@@ -131,12 +131,12 @@ def load(origin: Origin, importer: Callable[[], Any]) -> Plugin | Broken:
 
 
 def _burdens(cpu: float, clock: float, printed: str) -> tuple[str, ...]:
-    """What an import costs every command: time [s], and output, which is passed on to stderr."""
+    """Cost of an import for every command: time [s], and output, which is passed on to stderr."""
     found = []
     if cpu > SLOW_CPU or clock > SLOW:
         found.append(
-            f"its import takes {clock:.1f} s ({cpu:.1f} CPU s), which every command waits for; import what is slow in "
-            "the functions that need it, and name parts by strings"
+            f"its import takes {clock:.1f} s ({cpu:.1f} CPU s), which delays every command; import slow modules in "
+            "the functions that need them, and name parts by strings"
         )
     if printed:
         sys.stderr.write(printed)
@@ -204,7 +204,7 @@ def call(plugin: Plugin, hook: str, **arguments: Any) -> list[Any] | Broken:
 def file_module(path: Path) -> ModuleType:
     """The module in a file given by hand, importable by its stem from then on.
 
-    Raises PartError where there is no such file, where its name is taken or where its import fails.
+    Raises PartError if there is no such file, its name is taken or its import fails.
     """
     where = str(path)
     if not path.is_file():
@@ -234,12 +234,12 @@ def _refuse_taken(path: Path) -> None:
         place = other.origin or "a folder of this name"
     if place and Path(place).resolve() != path:
         raise PartError(
-            "another module has this name", where=str(path), got=f"it is taken by {place}", hint="rename the file"
+            "another module has this name", where=str(path), got=f"name used by {place}", hint="rename the file"
         )
 
 
 def _line(error: BaseException, path: Path) -> str:
-    """Where in the file the import stopped."""
+    """Return the line of the file where the import stopped, in words."""
     if isinstance(error, SyntaxError):
         return ""
     import traceback

@@ -16,7 +16,7 @@ R = TypeVar("R")
 
 @cache
 def processor() -> str:
-    """The processor by its own name and by that of the machine code made for it, as "AMD EPYC (znver4)"."""
+    """The processor by its own name and by the target of its machine code, as "AMD EPYC (znver4)"."""
     from llvmlite.binding import get_host_cpu_name
 
     return f"{processor_name()} ({get_host_cpu_name()})"
@@ -30,7 +30,7 @@ def usable_cores() -> int:
 
 
 def processor_name() -> str:
-    """What the processor calls itself."""
+    """Return the name of the processor."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:

@@ -1,4 +1,4 @@
-"""Which parts and versions a scene runs with, and on what."""
+"""Provenance of a run: its parts, versions and machine."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def _functions_in(value: Any, place: str) -> Iterator[tuple[str, Mapping[str, An
 
 
 def parts_of(scene: Scene, registry: Registry) -> dict[str, str]:
-    """By key of the scene: the part and the distribution it comes from."""
+    """Return the part and its distribution by key of the scene."""
     return {key: f"{name} ({registry.offer(kind, name).origin})" for key, kind, name in part_specs(scene)}
 
 

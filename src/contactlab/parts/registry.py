@@ -69,9 +69,9 @@ class Registry:
         hidden = [part.name for part, target in self.classes if target.__module__ == "__main__"]
         if hidden:
             raise PartError(
-                "other processes cannot import a class of the program that is running",
+                "other processes cannot import a class of the running program",
                 got=", ".join(hidden),
-                hint="write it into a file of its own; contactlab.use takes the file, too",
+                hint="write it into a separate file; contactlab.use also takes the file",
             )
         return Registry, (None, self.files, self.classes)
 
@@ -104,18 +104,18 @@ class Registry:
             self._plugins, self._broken, self._offers = before
             told = [b.reason if b.item in b.reason else f"{b.item}: {b.reason}" for b in wrong]
             raise PartError(
-                told[0] if len(told) == 1 else "\n  ".join([f"{len(told)} things are wrong with it", *told]),
+                told[0] if len(told) == 1 else "\n  ".join([f"{len(told)} errors", *told]),
                 where=str(path),
             )
         self.files = (*self.files, path)
 
     def _incomplete_in(self, module: str) -> list[Broken]:
-        """Those of `incomplete` whose class is in this module; none where it was not imported."""
+        """Return the parts of `incomplete` with a class in this module; none if it was not imported."""
         here = self.parts() if module in sys.modules else []
         return _incomplete(offer for offer in here if offer.part.target.partition(":")[0] == module)
 
     def add_class(self, part: Part, target: type) -> None:
-        """Register a class of the running program. Raises PartError where it does not keep the contract."""
+        """Register a class of the running program. Raises PartError if it does not keep the contract."""
         wrong = _fault_of(part) or "; ".join(contract.faults(part.kind, target))
         if wrong:
             raise PartError(f"{target.__name__} cannot be used: {wrong}", where=target.__module__, got=part.name)
@@ -123,7 +123,7 @@ class Registry:
         if len(others) == len(self.classes) and self._offers.get((part.kind, part.name)):
             raise PartError(f"there is a {part.kind} of this name already", where=target.__module__, got=part.name)
         self._offers[part.kind, part.name] = [Offer(part, Origin(target.__module__, "this program"))]
-        self.classes = (*others, (part, target))  # a cell of a notebook that is run again defines the class anew
+        self.classes = (*others, (part, target))  # a cell of a notebook that is run again redefines the class
 
     def _add(self, loaded: Plugin | Broken) -> None:
         if isinstance(loaded, Broken):
@@ -166,8 +166,8 @@ class Registry:
         return [*self._broken, *self._duplicates(), *(item for kind in named for item in kind.broken)]
 
     def reason_against(self, item: str) -> str:
-        """What to mend where "scene NAME" or "command NAME" was left out; nothing where none was offered."""
-        return "; ".join(f"mend {broken.origin}: {broken.reason}" for broken in self.broken() if broken.item == item)
+        """Return what to fix if "scene NAME" or "command NAME" was left out; empty if none was offered."""
+        return "; ".join(f"fix {broken.origin}: {broken.reason}" for broken in self.broken() if broken.item == item)
 
     def _duplicates(self) -> list[Broken]:
         found = []
@@ -186,7 +186,7 @@ class Registry:
         return _incomplete(self.parts())
 
     def offer(self, kind: str, name: str, where: Where = "") -> Offer:
-        """The part of this kind and name. Raises PartError with the nearest name where there is none."""
+        """The part of this kind and name. Raises PartError with the nearest name if there is none."""
         offers = self._offers.get((kind, name), [])
         if len(offers) > 1:
             raise PartError(
@@ -216,16 +216,16 @@ class Registry:
         broken = sorted({str(item.origin) for item in self.broken()})
         if broken:
             return f"contactlab parts (plugins that could not be loaded: {', '.join(broken)})"
-        return "install the plugin that brings it; contactlab parts lists what there is"
+        return "install the plugin that has it; contactlab parts lists all installed parts"
 
     def missing_from(self, name: str) -> str:
-        """What to install for a part that a usual plugin brings, or for that plugin; nothing where none is known."""
+        """Return what to install for a part of a usual plugin, or for that plugin; empty if none is known."""
         bringing = [p for p in self.missing_packages() if name in (p, *known_packages()[p])]
         if not bringing:
             return ""
         hidden = os.environ.get(plugins.RESTRICT)
-        also = f", or leave {plugins.RESTRICT} away, which lets {hidden} through alone" if hidden else ""
-        return f"{bringing[0]} brings it: pip install {bringing[0]}{also}"
+        also = f", or unset {plugins.RESTRICT}, which allows {hidden} only" if hidden else ""
+        return f"{bringing[0]} has it: pip install {bringing[0]}{also}"
 
     def missing_packages(self, optional: bool = True) -> list[str]:
         """Plugins of this repository that are not installed; without the `optional` ones, those the core requires."""
@@ -237,7 +237,7 @@ class Registry:
     def part_class(self, kind: str, name: str, where: Where = "") -> type[Any]:
         """The class of a part, imported now and checked against the contract.
 
-        Raises PartError where the part is unknown, cannot be imported or is incomplete.
+        Raises PartError if the part is unknown, cannot be imported or is incomplete.
         """
         offer = self.offer(kind, name, where)
         try:
@@ -278,11 +278,11 @@ class Registry:
         return {"use": name, **as_data(self.make(kind, spec, where))}
 
     def scenes(self) -> dict[str, Path]:
-        """Paths of the scenes that plugins bring, by name; `broken` tells which were left out."""
+        """Paths of the scenes that plugins bring, by name; `broken` lists the scenes left out."""
         return {name: Path(path) for name, (path, _) in scenes_of(self._plugins).usable.items()}
 
     def commands(self) -> dict[str, tuple[str, Origin]]:
-        """Further commands by name: "module:function" and where it comes from; `broken` tells which were left out."""
+        """Further commands by name: "module:function" and its origin; `broken` lists the commands left out."""
         return commands_of(self._plugins).usable
 
     def packages(self) -> dict[str, Origin]:
@@ -294,9 +294,9 @@ class Registry:
         return found
 
     def run_finished(self, summary: Mapping[str, Any], folder: Path | None) -> list[Broken]:
-        """Tell every plugin that a run is over; gives back those that raised."""
+        """Call the hook of every plugin at the end of a run; return those that raised."""
         told = [plugin for plugin in self._plugins if plugin.hooks.contactlab_run_finished.get_hookimpls()]
-        # a copy for each: what one writes into it changes neither the result nor what the next is told
+        # a copy for each: a plugin that writes into it changes neither the result nor the input of the next
         copies = [(plugin, copy.deepcopy(dict(summary))) for plugin in told]
         answers = [plugins.call(p, "contactlab_run_finished", summary=own, folder=folder) for p, own in copies]
         return [answer for answer in answers if isinstance(answer, Broken)]
@@ -344,7 +344,7 @@ def _fault_of(part: Any) -> str:
 def _faults_of(part: Part) -> Iterator[str]:
     if part.api != CONTRACT_VERSION:
         yield (
-            f"it was written for version {part.api} of the contract, this is version {CONTRACT_VERSION}; to change: "
+            f"it is written for version {part.api} of the contract, but this is version {CONTRACT_VERSION}; to change: "
             f"{what_to_change(str(part.kind), part.api)}"
         )
     if part.kind not in KINDS:
@@ -359,7 +359,7 @@ def _faults_of(part: Part) -> Iterator[str]:
 
 
 def _incomplete(offers: Iterable[Offer]) -> list[Broken]:
-    """Those whose class cannot be imported or does not keep the contract."""
+    """Return offers whose class cannot be imported or does not keep the contract."""
     found = []
     for offer in offers:
         try:

@@ -1,4 +1,4 @@
-"""What parts remember by name: numbers are checked before they become a part of the state."""
+"""Memory of parts by name: numbers are checked before they become a part of the state."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ _FUNCTION = re.compile(r"[\w.-]+:\w+")
 
 @dataclass(frozen=True)
 class Named:
-    """What plugins offer by name through one hook: usable values with their origin, and what is left out."""
+    """Offers of plugins by name through a hook: usable values with their origin, and what is left out."""
 
     usable: dict[str, tuple[Any, Origin]]
     broken: list[Broken]
@@ -77,20 +77,20 @@ def _answers(plugin: Plugin, hook: str) -> Iterator[tuple[Any, Any] | Broken]:
         if isinstance(table, Mapping):
             yield from table.items()
         else:
-            yield Broken(plugin.origin, f"{hook} gave no table of names but {type(table).__name__}", item=hook)
+            yield Broken(plugin.origin, f"{hook} gave {type(table).__name__}, not a table of names", item=hook)
 
 
 def _fault_of_name(name: Any, what: str, taken: Collection[str]) -> str:
     if not isinstance(name, str) or not KEBAB.fullmatch(name):
         return f'the name "{name}" is not lower-case words joined by -'
-    return f'the core has a {what} "{name}", which stays; give yours another name' if name in taken else ""
+    return f'the core has a {what} "{name}", which has priority; use another name' if name in taken else ""
 
 
 def _fault_of_path(path: Any) -> str:
     if not isinstance(path, str | os.PathLike):
         return f"its path is {type(path).__name__}; allowed: the path of a TOML file"
     if not Path(path).is_absolute():
-        return f'the path "{path}" depends on the folder one works in; write Path(__file__).parent / "{path}"'
+        return f'the path "{path}" depends on the working folder; write Path(__file__).parent / "{path}"'
     return "" if Path(path).is_file() else f'there is no file "{path}"'
 
 

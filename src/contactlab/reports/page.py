@@ -148,7 +148,7 @@ def _times(table: Table) -> str:
     """Times by phase, folded away; empty if no run left a summary."""
     sheet = times_sheet(table)
     folded = f"<details><summary>{len(table)} runs, phase by phase</summary>{sheet.html()}</details>"
-    return section("Where the time went", f"<p>{_TIMES}</p>{folded}" if sheet.rows else "")
+    return section("Times by phase", f"<p>{_TIMES}</p>{folded}" if sheet.rows else "")
 
 
 def _agreement(table: Table) -> str:

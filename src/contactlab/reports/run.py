@@ -37,7 +37,7 @@ def print_run(
 ) -> None:
     """Print the summary of a run; `scene` is its TOML data with defaults.
 
-    verbose  adds forces, contacts and energies; profile where the time went
+    verbose  adds forces, contacts and energies; profile times by phase
     """
     console = console or Terminal()
     console.print(render_run(results, scene))

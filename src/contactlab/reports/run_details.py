@@ -1,4 +1,4 @@
-"""All else of a single run: forces, contacts, energies, and where the time went."""
+"""All else of a single run: forces, contacts, energies, and times by phase."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The tables of a comparison: every run a row, where the time went, and all numbers of a few runs."""
+"""The tables of a comparison: every run a row, times by phase, and all numbers of a few runs."""
 
 from __future__ import annotations
 
@@ -239,7 +239,7 @@ def _remarks(table: Table) -> Iterator[Text]:
             yield Text.assemble((row.name, "bold"), "\n", "\n".join(lines))
 
 
-# --- where the time went ---
+# --- times by phase ---
 
 
 def times_sheet(table: Table) -> Sheet:

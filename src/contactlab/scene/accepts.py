@@ -1,4 +1,4 @@
-"""What a key of a scene accepts, in words: for messages, and for pages about parts."""
+"""Allowed values of a key of a scene, in words: for messages, and for pages about parts."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ MAPPINGS = (dict, Mapping, typing.get_origin(Mapping[str, int]))
 
 
 def in_words(hint: Any, limits: Mapping[str, Any]) -> str:
-    """What a key of this type and with these limits accepts, in words, with its unit."""
+    """Return the allowed values of a key of this type and with these limits, in words, with the unit."""
     unit = f" [{limits['unit']}]" if limits.get("unit") else ""
     return accepts(hint, limits) + unit
 
 
 def accepts(hint: Any, limits: Mapping[str, Any]) -> str:
-    """What a key of this type and with these limits accepts, in words, without the unit."""
+    """Return the allowed values of a key of this type and with these limits, in words, without the unit."""
     origin, inner = get_origin(hint), get_args(hint)
     if "part" in limits and hint in (PartSpec, PartSpec | None):
         return f"the name of a part of kind {limits['part']}, or {{ use = NAME, ... }}"

@@ -18,11 +18,11 @@ AUTO = "auto"
 
 @dataclass(frozen=True)
 class Auto:
-    """`{ use = "auto", order = [...] }` in place of an integrator."""
+    """`{ use = "auto", order = [...] }` as the integrator of a scene."""
 
     order: tuple[PartSpec, ...] = part(
         "integrator",
-        says="integrators by name or as tables; the first whose run gets through is taken; not written: statics, "
+        says="integrators by name or as tables; the first whose run gets through is used; not written: statics, "
         "implicit dynamics, explicit steps",
     )
 
@@ -33,7 +33,7 @@ class Auto:
 
 
 def is_auto(scene: Scene) -> bool:
-    """Whether a scene leaves its integrator to the run."""
+    """Return whether a scene leaves its integrator to the run."""
     return bool(scene.integrator["use"] == AUTO)
 
 

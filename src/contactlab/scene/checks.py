@@ -59,7 +59,7 @@ def _check_bodies(scene: Scene) -> None:
                 where=scene.where(f"materials.{name}"),
                 got=name,
                 allowed=f"materials that a body names: {', '.join(sorted(used))}",
-                hint="take the table out, or write its name at a body's key material",
+                hint="remove the table, or set the key material of a body to its name",
             )
 
 
@@ -68,14 +68,14 @@ def _check_rigid(scene: Scene) -> None:
     for name in scene.rigid:
         where = scene.where(f"rigid.{name}")
         if name in scene.bodies:
-            raise SceneError("a body has this name, too", where=where, got=name, allowed="a name that is not taken")
+            raise SceneError("a body has the same name", where=where, got=name, allowed="an unused name")
         if name not in touched:
             raise SceneError(
                 "no contact names this rigid surface",
                 where=where,
                 got=name,
                 allowed=f"surfaces that a contact names: {', '.join(sorted(touched))}",
-                hint=f'take the table out, or write master = "{name}" at a contact',
+                hint=f'remove the table, or write master = "{name}" at a contact',
             )
 
 
@@ -111,14 +111,14 @@ def _check_side(scene: Scene, contact: Contact, side: str, where: Location) -> t
     acts_as_slave = (side == "slave") != contact.swap
     if not targets or len(set(targets)) < len(targets):
         raise SceneError(
-            "an edge set is needed here, each once", where=where, got=list(targets), allowed="BODY.EDGE_SET, or a list"
+            "edge sets are needed here, each once", where=where, got=list(targets), allowed="BODY.EDGE_SET, or a list"
         )
     for target in targets:
         if target not in scene.rigid:
             _check_target(scene, target, where, needs_edges=True)
         elif acts_as_slave:
             raise SceneError(
-                "a rigid surface cannot be the slave: its nodes cannot give way to any multiplier",
+                "a rigid surface cannot be the slave: its nodes cannot move under a multiplier",
                 where=where,
                 got=target,
                 allowed="edge sets of bodies",
@@ -136,7 +136,7 @@ def _check_supports(scene: Scene) -> None:
         given = ["ux", "uy"] if support.turn else [c for c in ("ux", "uy") if getattr(support, c) is not None]
         if not given:
             raise SceneError(
-                "this support holds nothing",
+                "this support has no effect",
                 where=where,
                 got="none of its keys",
                 allowed="ux, uy, turn",
@@ -157,7 +157,7 @@ def _check_target(scene: Scene, target: str, where: Location, needs_edges: bool)
     body, edge_set = split_target(target)
     if target in scene.rigid:
         raise SceneError(
-            "a rigid surface moves as its own table says",
+            "a rigid surface is moved by its own table",
             where=where,
             got=target,
             allowed="an edge set of a body",
@@ -182,7 +182,7 @@ def _check_target(scene: Scene, target: str, where: Location, needs_edges: bool)
 
 
 def _check_names(scene: Scene, table: str, entries: Sequence[Contact | Support | Load]) -> None:
-    """Names must tell entries apart and not look like their numbers or like paths."""
+    """Check that names are unique and do not look like numbers or paths."""
     seen: dict[str, int] = {}
     for number, entry in enumerate(entries):
         if entry.name is None:
@@ -196,12 +196,12 @@ def _check_names(scene: Scene, table: str, entries: Sequence[Contact | Support |
                 f"{table}.{seen[entry.name]} already has this name",
                 where=where,
                 got=entry.name,
-                allowed="a name that is not taken",
+                allowed="an unused name",
             )
 
 
 def _check_begins(scene: Scene) -> None:
-    """What begins when a run of given length is over, or is not over by then, does nothing that was asked for."""
+    """Raise SceneError for values that begin after the end of a run of given length, or are not finished by then."""
     end = scene.time.end
     if isinstance(end, str):
         return
@@ -218,11 +218,11 @@ def _check_begins(scene: Scene) -> None:
         duration = contact.start.duration if contact.start is not None else None
         if duration is not None and duration > end:
             raise SceneError(
-                "the overlap would still be there when the run is over",
+                "the overlap is not pushed out before the end of the run",
                 where=scene.where(f"contacts.{number}.start.duration"),
                 got=duration,
                 allowed=f"at most {end:g} [s], the end of the run",
-                hint="leave it out: overlaps are gone at the end then",
+                hint="omit it: overlaps are then pushed out by the end",
             )
 
 
@@ -231,9 +231,9 @@ def _check_begin(scene: Scene, key: str, value: Ramp | Turn, end: float) -> None
     begin = value.begin + (points[0][0] if points and points[0][1] == 0.0 else 0.0)
     if begin >= end:
         raise SceneError(
-            "this begins when the run is over",
+            "this begins after the end of the run",
             where=scene.where(f"{key}.begin" if value.begin > 0.0 else key),
             got=begin,
             allowed=f"a time before {end:g} [s], the end of the run",
-            hint="give the run a later time.end, or take this out",
+            hint="give the run a later time.end, or remove this",
         )

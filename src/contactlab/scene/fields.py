@@ -1,4 +1,4 @@
-"""How tables of a scene declare their keys, and what is asked of such a declaration.
+"""Declaration of the keys of a scene's tables, and queries of such a declaration.
 
 Parts and the tables of a scene are declared alike, as frozen dataclasses whose fields are the keys.
 A field of a scene table says more about itself with `key` (bounds, unit, meaning) or `part` (the

@@ -29,8 +29,8 @@ class Time:
         says="duration; auto: as long as all that the scene declares in time, with other ramps as slow as needed, "
         "then held until the run settles",
     )
-    step: float | None = key(None, unit="s", above=0.0, says="fixed step; not written: a fraction of the stable one")
-    fraction: float = key(0.9, above=0.0, most=1.0, says="step as a fraction of the stable step; unused beside `step`")
+    step: float | None = key(None, unit="s", above=0.0, says="fixed step; not written: a fraction of the stable step")
+    fraction: float = key(0.9, above=0.0, most=1.0, says="step as a fraction of the stable step; unused with `step`")
     ramp: float | None = key(
         None,
         unit="s",
@@ -100,7 +100,7 @@ class Body:
 
 @dataclass(frozen=True)
 class Start:
-    """What a contact does about an overlap or a small gap that the meshes have before the run."""
+    """Treatment of an overlap or a small gap that the meshes of a contact have before the run."""
 
     overlap: Literal["refuse", "ramp", "adjust"] = key(
         "refuse",
@@ -123,14 +123,14 @@ class Start:
 
     def __post_init__(self) -> None:
         if self.duration is not None and self.overlap != "ramp":
-            raise ValueError(f'duration: got {self.duration}, allowed: only beside overlap = "ramp"')
+            raise ValueError(f'duration: got {self.duration}, allowed: only with overlap = "ramp"')
         if self.gap == "zero":
             if self.overlap != "refuse":
                 raise ValueError(
-                    f'gap: got "zero" beside overlap = "{self.overlap}", allowed: a length, or "zero" without overlap'
+                    f'gap: got "zero" with overlap = "{self.overlap}", allowed: a length, or "zero" without overlap'
                 )
         elif self.gap > 0.0 and self.overlap != "adjust":
-            raise ValueError(f'gap: got {self.gap}, allowed: only beside overlap = "adjust"')
+            raise ValueError(f'gap: got {self.gap}, allowed: only with overlap = "adjust"')
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -181,7 +181,7 @@ class Ramp:
     points: tuple[Vector, ...] = key(
         (), says="with table: [time in s after `begin`, factor of `to`] each, straight between them"
     )
-    file: Path | None = key(None, says="with table, in place of `points`: CSV file with such pairs, without a head")
+    file: Path | None = key(None, says="with table, instead of `points`: CSV file with such pairs, without a header")
     function: PartSpec | None = part(
         "function", None, says="with function: what gives the factor of `to` at times in s after `begin`"
     )
@@ -191,13 +191,13 @@ class Ramp:
         if self.ramp == "table" and self.file is None and not (len(times) > 1 and _rising(times)):
             raise ValueError(f"points: got {self.points}, allowed: at least two points at increasing times")
         if self.points and (self.ramp != "table" or self.file is not None):
-            raise ValueError(f'points: got {self.points}, allowed: only beside ramp = "table", without a file')
+            raise ValueError(f'points: got {self.points}, allowed: only with ramp = "table", without a file')
         if self.file is not None and self.ramp != "table":
-            raise ValueError(f'file: got {self.file}, allowed: only beside ramp = "table"')
+            raise ValueError(f'file: got {self.file}, allowed: only with ramp = "table"')
         if (self.function is None) == (self.ramp == "function"):
-            raise ValueError(f'function: got {self.function}, allowed: one beside ramp = "function", and only there')
+            raise ValueError(f'function: got {self.function}, allowed: a function with ramp = "function", else none')
         if self.ramp in ("table", "function") and self.duration is not None:
-            raise ValueError(f"duration: got {self.duration}, allowed: none beside times in seconds")
+            raise ValueError(f"duration: got {self.duration}, allowed: none with times in seconds")
 
 
 def _rising(times: Sequence[float]) -> bool:
@@ -228,7 +228,7 @@ class Support:
 
     def __post_init__(self) -> None:
         if self.profile is not None and self.turn is not None:
-            raise ValueError("profile: got one beside turn, allowed: ux and uy alone vary from node to node")
+            raise ValueError("profile: got a profile with turn, allowed: only ux and uy vary from node to node")
         refuse_mean(self.profile)
 
 
@@ -251,7 +251,7 @@ class Rigid:
     line: tuple[Vector, ...] | None = key(
         None, unit="mm", says="points of a polyline, the solid on its left; closed where the last point is the first"
     )
-    arc: Arc | None = key(None, says="an arc in place of a line")
+    arc: Arc | None = key(None, says="an arc instead of a line")
     segment: float | None = key(
         None, unit="mm", above=0.0, says="longest segment; not written: that of the edge sets it touches"
     )
@@ -268,9 +268,7 @@ class Rigid:
         for a, b, c in zip(line, line[1:], line[2:], strict=False):
             (x, y), (u, v) = (b[0] - a[0], b[1] - a[1]), (c[0] - b[0], c[1] - b[1])
             if x * v == y * u and x * u + y * v < 0.0:
-                raise ValueError(
-                    f"line: got {[*a]}, {[*b]}, {[*c]}, allowed: points that do not go back the way they came"
-                )
+                raise ValueError(f"line: got {[*a]}, {[*b]}, {[*c]}, allowed: points without a reversal of direction")
         if self.arc is not None and not 0.0 < abs(self.arc.angles[1] - self.arc.angles[0]) <= 360.0:
             raise ValueError(f"arc: got {self.arc.angles}, allowed: two angles, at most 360 degrees apart")
 
@@ -293,14 +291,14 @@ class Load:
 
     def __post_init__(self) -> None:
         if all(value is None for value in (self.pressure, self.shear, self.tx, self.ty)):
-            raise ValueError("this load pushes on nothing: write pressure, shear, tx or ty")
+            raise ValueError("this load has no traction: write pressure, shear, tx or ty")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Field:
     """`[fields.NAME]`: a number at every place and time, such as a temperature, for parts that need it by this name."""
 
-    value: float | Ramp = key(says="the number, or how it changes in time; its unit is the parts' business")
+    value: float | Ramp = key(says="the number, or how it changes in time; its unit is set by the parts that use it")
     profile: Profile | None = key(None, says="how it varies over the undeformed bodies; not written: it is uniform")
 
     def __post_init__(self) -> None:
@@ -315,7 +313,7 @@ class Record:
     recorders: tuple[PartSpec, ...] | None = part(
         "recorder",
         None,
-        says="what writes to the results folder beside the small text files; not written: the usual ones",
+        says="what writes to the results folder in addition to small text files; not written: the usual recorders",
     )
     from_: int | None = key(None, least=1, says="first step of the contact record; not written: the first of the run")
     to: int | None = key(None, least=1, says="last step of the contact record; not written: the last of the run")
@@ -340,8 +338,8 @@ class Record:
     )
     warnings: Literal["guards", "all"] | None = key(
         None,
-        says="which first warning these steps are kept before: of a guard, which watches the steps, or of all, those "
-        "judged at frames and at the end too; not written: guards",
+        says="which first warning these steps are kept before: of a guard, which watches the steps, or of all, also "
+        "warnings at frames and at the end; not written: guards",
     )
     contact_work: bool = key(
         False,

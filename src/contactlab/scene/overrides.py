@@ -9,7 +9,7 @@ from typing import Any
 from contactlab.errors import SceneError, did_you_mean, show
 
 NAMED_LISTS = ("contacts", "supports", "loads")
-"""Lists of tables whose entries can be reached by their `name`, too."""
+"""Lists of tables whose entries can also be addressed by their `name`."""
 
 DIGITS = 10
 """Digits of the number of an entry; Python refuses to read thousands of them."""
@@ -24,7 +24,7 @@ def changed(
     """A copy of `data` with the changes, and their keys in the numbered form.
 
     A change of which part is used comes before changes of its fields, in whatever order they are
-    given. None takes a key away, and so does "none" where a part is named. Raises SceneError where a key leads nowhere.
+    given. None removes a key, and so does "none" for a part. Raises SceneError if a key does not exist.
     """
     result = copy.deepcopy(dict(data))
     numbered = [(_numbered(key, result), value) for key, value in changes.items()]
@@ -45,7 +45,7 @@ def _copied(value: Any, path: list[str]) -> Any:
 def _numbered(key: str, data: Mapping[str, Any]) -> list[str]:
     path = key.split(".") if isinstance(key, str) else [""]
     if not all(path):
-        raise SceneError("this is no key", where="override", got=key, allowed="names joined by dots: contacts.0.swap")
+        raise SceneError("not a key", where="override", got=key, allowed="names joined by dots: contacts.0.swap")
     if len(path) > 1 and path[0] in NAMED_LISTS and not path[1].isdecimal() and isinstance(data.get(path[0], []), list):
         path[1] = str(_entry_named(path[0], path[1], data))
     return path
@@ -138,6 +138,6 @@ def _index(entries: list[Any], name: str, path: list[str]) -> int:
         "the list has no such entry",
         where=".".join(path),
         got=name,
-        allowed=f"0 to {len(entries) - 1}, or {len(entries)} for a new one" if entries else "0 for a new one",
+        allowed=f"0 to {len(entries) - 1}, or {len(entries)} for a new entry" if entries else "0 for a new entry",
         hint=f"the list is {show(entries)}",
     )

@@ -71,7 +71,7 @@ def _refused(cls: type, message: str, values: Mapping[str, Any], where: Where) -
 
 
 def refused_later(cls: type, problem: str, message: str, where: Where) -> SceneError:
-    """What a part refuses after it was read, "name: got ..., allowed: ...", as an error at that key of the table."""
+    """Return a part's refusal after it was read, "name: got ..., allowed: ...", as an error at that key."""
     match = _REFUSAL.fullmatch(message)
     if match is None or match["name"] not in keys_of(cls):
         return SceneError(f"{problem}: {message}", where=where)
@@ -176,7 +176,7 @@ class _Reader:
 
 
 def _looks_like(option: Any, value: Any) -> bool:
-    """Whether a written value is meant as this member of a union."""
+    """Return whether a written value is meant as this member of a union."""
     origin = get_origin(option)
     if origin is Literal:
         return isinstance(value, str) if isinstance(get_args(option)[0], str) else value in get_args(option)

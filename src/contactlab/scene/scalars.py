@@ -16,7 +16,7 @@ GREATEST = 1e150  # of a measured number: its square, such as a kinetic energy, 
 
 
 def choice(hint: Any, value: Any, where: Where, limits: Mapping[str, Any]) -> Any:
-    """The member of a Literal that was written. Raises SceneError where it is none."""
+    """The member of a Literal that was written. Raises SceneError for any other value."""
     choices = get_args(hint)
     for known in choices:
         if value == known and type(value) is type(known):
@@ -27,7 +27,7 @@ def choice(hint: Any, value: Any, where: Where, limits: Mapping[str, Any]) -> An
 
 
 def scalar(hint: Any, value: Any, where: Where, limits: Mapping[str, Any]) -> Any:
-    """A number within its `limits`, a text, a path or a truth value. Raises SceneError where it is none."""
+    """A number within its `limits`, a string, a path or a boolean. Raises SceneError for any other value."""
     allowed = in_words(limits.get("options", hint), limits)
     if hint in (int, float):
         return _number(hint, value, where, limits, allowed)
@@ -39,7 +39,7 @@ def scalar(hint: Any, value: Any, where: Where, limits: Mapping[str, Any]) -> An
         return (Path(folder) / value).resolve()
     if isinstance(hint, type) and isinstance(value, hint):
         return value
-    tip = "write true or false without quotes" if hint is bool and isinstance(value, str) else ""
+    tip = "write booleans without quotes: true, false" if hint is bool and isinstance(value, str) else ""
     raise SceneError("wrong type", where=where, got=value, allowed=allowed, hint=tip)
 
 
@@ -48,7 +48,7 @@ def _check_characters(text: str, where: Where) -> None:
     bad = next((c for c in text if c == "\0" or "\ud800" <= c <= "\udfff"), None)
     if bad is not None:
         raise SceneError(
-            f"no file can keep the character {bad!a}", where=where, got=ascii(text), allowed="UTF-8 text without NUL"
+            f"no file can store the character {bad!a}", where=where, got=ascii(text), allowed="UTF-8 text without NUL"
         )
 
 

@@ -37,7 +37,7 @@ class Scene:
     format: Literal[1] = key(1, says="version of the scene format")
     name: str = key("scene", says="names the results folder; not written: the name of the file")
     source: str = key("", says="where the scene was published")
-    units: str = key("mm N s t", says="a label for tables and plots; any consistent set serves")
+    units: str = key("mm N s t", says="a label for tables and plots; any consistent set of units")
     level: int = key(1, least=1, says="multiplies all cell counts of the meshes")
     symmetry: Literal["x"] | None = key(
         None, says="x: mirror symmetric about the line x = 0, and the asymmetry of the result is reported"
@@ -45,7 +45,7 @@ class Scene:
     threads: int = key(1, least=1, says="blocks of cells worked on at once; results are the same to the last bit")
     time: Time = key(Time(), says="duration and steps")
     integrator: PartSpec = part(
-        "integrator", says="how a step is made; auto: several are tried in order, the first that gets through is taken"
+        "integrator", says="how a step is made; auto: several are tried in order, the first that gets through is used"
     )
     materials: Mapping[str, PartSpec] = part("material", says="the material laws by name")
     bodies: Mapping[str, Body] = key(says="the bodies by name")
@@ -103,8 +103,8 @@ class Scene:
         """Give the scene other values at dotted keys and check it: `with_({"contacts.0.swap": True}, level=2)`.
 
         Keys need not be written yet: {"contacts.0.friction": {"use": "coulomb", "mu": 0.2}}. A contact
-        or support with a name answers to it: "contacts.tool.swap". Where another part is named, the
-        fields of the old one are dropped, but for those that both parts require.
+        or support with a name can be addressed by it: "contacts.tool.swap". If another part is named, the
+        fields of the old part are dropped, except for those that both parts require.
         """
         return Scene._with(self.data, {**(changes or {}), **keys}, self.origin, self.registry)
 
@@ -163,7 +163,7 @@ def load_scene(
 
 
 def _brought(summary: Path, name: object) -> str:
-    """Of a part that the scene of a stored run names: the distribution that the run had it from; else nothing."""
+    """Distribution of a part in a stored run, as a hint, if its summary has the part; else empty."""
     if not summary.is_file():
         return ""
     try:

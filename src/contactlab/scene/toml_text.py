@@ -31,7 +31,7 @@ def read_toml(path: Path, shown: str) -> tuple[dict[str, Any], dict[str, int]]:
         line = content.count(b"\n", 0, error.start) + 1
         got = repr(content[error.start : error.start + 4])
         raise SceneError(
-            f"this is no text: line {line} is not UTF-8", where=shown, got=got, allowed="a TOML file in UTF-8"
+            f"not a text file: line {line} is not UTF-8", where=shown, got=got, allowed="a TOML file in UTF-8"
         ) from error
     return parse_toml(text, shown), key_lines(text)
 
@@ -58,9 +58,9 @@ def parse_toml(text: str, shown: str) -> dict[str, Any]:
 
 
 _HINTS = {
-    "Invalid value": "texts need quotes; true and false are written small",
-    "Cannot overwrite": "the key stands in the file twice: take one out",
-    "Cannot declare": "the table stands in the file twice: join them",
+    "Invalid value": "strings need quotes; booleans are lower case: true, false",
+    "Cannot overwrite": "the key is in the file twice: remove one",
+    "Cannot declare": "the table is in the file twice: join them",
     "Unclosed array": "close it with ]",
 }
 
@@ -68,13 +68,13 @@ _HINTS = {
 def _broken_toml(text: str, message: str, shown: str) -> SceneError:
     match = _AT_LINE.match(message)
     if match is None:
-        return SceneError(f"this is no TOML: {message}", where=shown, got=text[:80], allowed="a TOML file")
+        return SceneError(f"invalid TOML: {message}", where=shown, got=text[:80], allowed="a TOML file")
     lines = text.splitlines() or [""]
     number = min(int(match["line"] or len(lines)), len(lines))
     got = lines[number - 1].strip()
     shown_line = got if got.isprintable() else repr(got)
     return SceneError(
-        f"this is no TOML: {match['what'].lower()}",
+        f"invalid TOML: {match['what'].lower()}",
         where=f"{shown}, line {number}",
         got=shown_line,
         allowed="key = value, [table] or [[list of tables]]",

@@ -141,7 +141,7 @@ def test_the_table_says_what_is_not_resolved(
     told = capsys.readouterr().out
     assert "contacts.0.swap=true" in told
     assert "not resolved" in told
-    assert "next: element q2, not resolved as it is" in told
+    assert "next: element q2, not resolved yet" in told
 
 
 def test_forces_of_exchanged_sides_act_on_the_same_body() -> None:

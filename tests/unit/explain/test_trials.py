@@ -141,4 +141,4 @@ def test_an_effect_costs_what_its_trials_differ_by() -> None:
     assert "contact" not in costs
     lines = dict(price_lines(whole, list(costs.values())))
     assert "friction: +3 s, +75 %, +60 iterations" in lines["of that"]
-    assert lines["known from"] == "a trial that was the whole run"
+    assert lines["known from"] == "a trial of the whole run"

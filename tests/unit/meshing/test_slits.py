@@ -74,7 +74,7 @@ def test_nodes_on_nodes_are_refused_with_their_number_and_place(element: Element
     first = 2.0 / (count + 2)
     for word in (
         WHERE,
-        f"{count} lie on other nodes",
+        f"{count} coincide with other nodes",
         f"from (1, {first}) to (1, {1 - first})",
         "removeDuplicateNodes",
     ):
@@ -89,7 +89,7 @@ def test_a_single_doubled_node_is_found(element: Element) -> None:
     right = whole.nodes[cells].mean(axis=1)[:, 0] > 0.5
     cells[right[:, None] & (cells == at)] = len(whole.nodes)
     opened = Mesh(np.vstack([whole.nodes, whole.nodes[at]]), cells, whole.edges)
-    with pytest.raises(SceneError, match=r"2 lie on other nodes, from \(0.5, 0.5\) to \(0.5, 0.5\)"):
+    with pytest.raises(SceneError, match=r"2 coincide with other nodes, from \(0.5, 0.5\) to \(0.5, 0.5\)"):
         check_closed(opened, element, [], WHERE)
 
 
@@ -98,7 +98,7 @@ def test_a_single_doubled_node_is_found(element: Element) -> None:
 def test_hanging_nodes_are_refused(element: Element, ratio: tuple[int, int], digits: int) -> None:
     """Also where coordinates were written with few digits, and where divisions have nothing in common."""
     mesh = beside(block(element, (2, ratio[0]), (0.0, 1.0)), block(element, (2, ratio[1]), (1.0, 2.0)), digits, "all")
-    with pytest.raises(SceneError, match="hang on sides of cells"):
+    with pytest.raises(SceneError, match="hanging nodes on sides"):
         check_closed(mesh, element, [], WHERE)
 
 
@@ -215,7 +215,7 @@ def test_a_file_with_a_slit_is_a_scene_with_a_contact(tmp_path: Path) -> None:
         "supports": [{"on": "b.l left", **held}, {"on": "b.r right", "ux": {"ramp": "linear", "to": -0.02}, "uy": 0.0}],
         "record": {"recorders": []},
     }
-    with pytest.raises(SceneError, match=r"bodies\.b\.mesh: the mesh is open inside"):
+    with pytest.raises(SceneError, match=r"bodies\.b\.mesh: the mesh has a slit inside"):
         simulate(Scene.from_data(scene))
     contact = {"slave": "b.l right", "master": "b.r left", "algorithm": "mortar-p1"}
     results = simulate(Scene.from_data(scene | {"contacts": [contact]}))

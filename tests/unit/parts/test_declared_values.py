@@ -30,7 +30,7 @@ WRONG = [
     ("element", Q1, "without", ("finite strain",), "a table of strings by string"),
     ("material", Hypoelastic, "kinematics", "finit", '"small", "finite", "rate"; did you mean "finite"?'),
     ("material", Hypoelastic, "history_size", -1, "a whole number of at least 0"),
-    ("material", Hypoelastic, "history_names", "abcd", "a tuple of texts"),
+    ("material", Hypoelastic, "history_names", "abcd", "a tuple of strings"),
     ("material", Hypoelastic, "has_energy", 1, "True or False"),
     ("contact", MortarP0, "rows_per_node", 0, "a whole number of at least 1"),
     ("contact", MortarP0, "memory_size", True, "a whole number of at least 0"),
@@ -59,7 +59,7 @@ def test_a_wrong_value_is_refused_with_what_is_allowed(
 def test_every_number_of_a_history_has_a_name() -> None:
     assert Hypoelastic.history_size != 1
     (fault,) = faults("material", changed(Hypoelastic, "history_names", ("one",)))
-    assert "history_names name 1 numbers" in fault
+    assert "history_names has 1 names" in fault
 
 
 def test_all_shipped_parts_are_allowed() -> None:

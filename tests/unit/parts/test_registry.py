@@ -285,7 +285,7 @@ def contactlab_commands():
             Registry(files=[path])
         sys.modules.pop("my_part")
         first, *rest = str(caught.value).splitlines()
-        assert "my_part.py: 7 things are wrong" in first
+        assert "my_part.py: 7 errors" in first
         expected = [
             ("friction Law", "lower-case", "package.module:ClassName"),
             ("frictoin law", 'did you mean "friction"'),
@@ -436,7 +436,7 @@ class TestOtherHooks:
         broken = only(registry, "bad-plugin")  # known before anyone asks for scenes or commands
         assert broken.item == item
         assert reason in broken.reason
-        assert registry.reason_against(item) == f"mend bad-plugin 1.0: {broken.reason}"
+        assert registry.reason_against(item) == f"fix bad-plugin 1.0: {broken.reason}"
         assert set(registry.scenes() if hook == "scenes" else registry.commands()) == {"right"}
 
     @pytest.mark.parametrize(("hook", "value"), [("scenes", "__file__"), ("commands", "'a:b'")])

@@ -64,7 +64,7 @@ def test_loud_and_slow_imports_work_and_are_named(capsys: pytest.CaptureFixture[
     loaded = loading.load(Origin("loud", "loud"), loud)
     assert isinstance(loaded, Plugin)
     slow, printed = loaded.burdens
-    assert "every command waits for" in slow
+    assert "delays every command" in slow
     assert printed == "its import prints 'welcome'; it goes to stderr"
     out, err = capsys.readouterr()
     assert (out, err) == ("", "welcome\n")
@@ -87,7 +87,7 @@ def test_an_entry_point_in_a_group_that_misses_by_a_letter_is_named(install: Ins
     install("misses", f"{HEAD}\n@hookimpl\ndef contactlab_parts():\n    return [{COULOMB}]\n")
     (found,) = tmp_path.rglob("misses-*/entry_points.txt")
     found.write_text("[contactlabs]\nmisses = misses\n[console_scripts]\nmisses = misses:main\n")
-    assert reasons(Registry(), "misses") == ['its entry point stands in the group "contactlabs"; allowed: "contactlab"']
+    assert reasons(Registry(), "misses") == ['its entry point is in the group "contactlabs"; allowed: "contactlab"']
 
 
 def test_attempts_without_a_trace_repeat_nothing() -> None:

@@ -54,11 +54,11 @@ CASES: dict[str, tuple[dict[str, Any], list[str]]] = {
     ),
     "load": (
         data(loads=[{"on": "upper.top", "pressure": LATE | {"begin": 3e-4}}]),
-        ["loads.0.pressure.begin", "0.0003", "begins when the run is over"],
+        ["loads.0.pressure.begin", "0.0003", "begins after the end of the run"],
     ),
     "table": (
         data(supports=[HELD, {"on": "upper.top", "uy": {"ramp": "table", "to": 1.0, "points": [[1, 0], [2, 1]]}}]),
-        ["supports.1.uy", "1.0", "begins when the run is over"],
+        ["supports.1.uy", "1.0", "begins after the end of the run"],
     ),
     "overlap": (
         data(contacts=[{"slave": "upper.bottom", "master": "lower.top", "algorithm": "mortar-p0",

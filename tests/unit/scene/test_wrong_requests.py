@@ -224,7 +224,7 @@ def test_an_integer_that_python_does_not_read(words: list[str], capsys: pytest.C
 def test_numbers_and_texts_of_python_are_looked_at_as_well(tmp_path: Path) -> None:
     scene = load_scene("two-bars")
     for changes, key in (({"level": 10**5000}, "level"), ({"source": "\0"}, "source"), ({"name": "\udcff"}, "name")):
-        with pytest.raises(SceneError, match=f"(?s){key}.*(file can keep|below 2.63)"):
+        with pytest.raises(SceneError, match=f"(?s){key}.*(file can store|below 2.63)"):
             scene.with_(changes)
     with pytest.raises(RequestError, match="no file can have this name"):
         simulate(scene, out=f"{tmp_path}/\0")
@@ -234,14 +234,14 @@ def test_numbers_and_texts_of_python_are_looked_at_as_well(tmp_path: Path) -> No
     ("arguments", "words"),
     [
         (["run"], ["run: SCENE is missing", "contactlab run [--set KEY=VALUE]", "contactlab run --help"]),
-        (["run", "a", "b"], ["run: a word too many", '"b"']),
+        (["run", "a", "b"], ["run: unexpected word", '"b"']),
         (["run", "a", "--resum"], ["unknown option", "--resum", 'did you mean "--resume"?']),
         (["run", "a", "--level", "2"], ["unknown option", "--level", "--set level=2"]),
         (["run", "a", "--set"], ["run, --set: a value is missing"]),
         (["compare", "a", "--jobs", "0"], ["compare, --jobs: this value is not allowed", "a whole number >= 1"]),
         (["completion", "fsh"], ["bash, zsh, fish, powershell", 'did you mean "fish"?']),
         (["--levl"], ["COMMAND is missing"]),
-        (["view", ""], ["there is nothing to look at", "a folder or a recording"]),
+        (["view", ""], ["no folder is given", "a folder or a recording"]),
     ],
 )  # fmt: skip
 def test_words_that_fit_no_command(arguments: list[str], words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
