@@ -124,7 +124,7 @@ VERSION_1 = """
 @pytest.mark.parametrize(
     ("api", "words"),
     [
-        (", api=1", "it is written for version 1 of the contract, but this is version 2; to change: derive from Explicit"),
+        (", api=1", "it is written for version 1 of the contract, this is version 2; to change: derive from Explicit"),
         ("", "does not derive from contactlab.api.ExplicitIntegrator or contactlab.api.ImplicitIntegrator; to change:"),
     ],
     ids=["says so", "does not say so"],

@@ -185,9 +185,7 @@ def test_declarations_that_miss_the_contract_are_refused(attributes: dict[str, A
 def test_misspelt_class_attributes_are_refused() -> None:
     body = {"__module__": __name__, "__annotations__": {"keep_energy": ClassVar[bool]}, "keep_energy": True}
     promised = dataclass(frozen=True)(type("Promised", (MortarP0,), body))
-    assert "its keep_energy is not known to the contract; did you mean keeps_energy?" in faults(
-        "contact", promised
-    )
+    assert "its keep_energy is not known to the contract; did you mean keeps_energy?" in faults("contact", promised)
 
 
 def _pressure(self: Any, gap: Floats, stiffness: Floats, size: Floats, pressure: Floats, slope: Floats) -> None:

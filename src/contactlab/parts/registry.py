@@ -344,7 +344,7 @@ def _fault_of(part: Any) -> str:
 def _faults_of(part: Part) -> Iterator[str]:
     if part.api != CONTRACT_VERSION:
         yield (
-            f"it is written for version {part.api} of the contract, but this is version {CONTRACT_VERSION}; to change: "
+            f"it is written for version {part.api} of the contract, this is version {CONTRACT_VERSION}; to change: "
             f"{what_to_change(str(part.kind), part.api)}"
         )
     if part.kind not in KINDS:

@@ -146,7 +146,7 @@ def test_an_incomplete_class_is_refused_by_what_is_missing(name: str, good: None
 
 
 @pytest.mark.parametrize(
-    ("decorator", "reason"), [("", "no dataclass"), ("@dataclass\n", "not frozen")], ids=["plain", "mutable"]
+    ("decorator", "reason"), [("", "not a dataclass"), ("@dataclass\n", "not frozen")], ids=["plain", "mutable"]
 )
 def test_a_part_must_be_a_frozen_dataclass(decorator: str, reason: str, install: Install) -> None:
     body = "from dataclasses import dataclass\nfrom contactlab.api import FrictionLaw\n"
@@ -158,7 +158,7 @@ def test_a_part_must_be_a_frozen_dataclass(decorator: str, reason: str, install:
 
 @pytest.mark.parametrize(
     ("target", "reason"),
-    [("no_such_module:Law", "cannot be imported"), ("json:Law", "json has no Law"), ("json:dumps", "no class")],
+    [("no_such_module:Law", "cannot be imported"), ("json:Law", "json has no Law"), ("json:dumps", "not a class")],
 )
 def test_a_target_that_is_not_there_is_told_when_it_is_asked_for(target: str, reason: str, install: Install) -> None:
     install("far-plugin", offers(f"Part('friction', 'far', '{target}', 's')"))
@@ -232,9 +232,9 @@ class TestFiles:
         [
             ("absent.py", None, "no such file"),
             ("part.txt", "", "not a Python file"),
-            ("json.py", SOURCE, r"another module has this name\n.*taken by .*json/__init__\.py"),
+            ("json.py", SOURCE, r"another module has this name\n.*used by .*json/__init__\.py"),
             ("numpy.py", SOURCE, "another module has this name"),
-            ("sys.py", SOURCE, "taken by the interpreter"),
+            ("sys.py", SOURCE, "used by the interpreter"),
             ("my_part.py", "x = 1\ny = 1/0\n", r"ZeroDivisionError.*line 2"),
             ("my_part.py", "x = 1\n", "no hook"),
             ("my_part.py", f"{HEAD}\n@hookimpl\ndef contactlab_part(): return []\n", "contactlab_parts"),
@@ -410,7 +410,7 @@ class TestOtherHooks:
         registry = Registry()
         registry.scenes(), registry.commands()
         assert "odd" in only(registry, "bad-plugin").reason
-        assert "no table" in only(registry, "odd-plugin").reason
+        assert "not a table" in only(registry, "odd-plugin").reason
         registry.scenes(), registry.commands()
         assert only(registry, "bad-plugin")
 

@@ -93,10 +93,10 @@ WRONG = {
     "name with a dot": edit("[bodies.disc]", '[bodies."disc.1"]', "not a usable name", at=""),
     "name with a line break": edit("[[contacts]]", '[[contacts]]\nname = "a\\nb"', "key contacts.0.name", "not a usable name", at=""),
     "gap wider than the model": edit("[[contacts]]", '[[contacts]]\nstart = { overlap = "adjust", gap = 1e100 }', "key contacts.0.start.gap", "wider than the model", at=""),
-    "broken table": edit("[time]", "[time", "no TOML"),
-    "missing quote": edit('end = "auto"', "end = auto", "no TOML", "quotes"),
-    "key written twice": edit("frames = 50", "frames = 50\nframes = 60", "no TOML", "frames = 60"),
-    "unfinished file": edit("frames = 50\n", "frames = [50", "no TOML", at="frames = [50"),
+    "broken table": edit("[time]", "[time", "invalid TOML"),
+    "missing quote": edit('end = "auto"', "end = auto", "invalid TOML", "quotes"),
+    "key written twice": edit("frames = 50", "frames = 50\nframes = 60", "invalid TOML", "frames = 60"),
+    "unfinished file": edit("frames = 50\n", "frames = [50", "invalid TOML", at="frames = [50"),
 }  # fmt: skip
 
 
@@ -127,7 +127,7 @@ def test_a_wrong_scene(
     [
         (bytes(range(128, 256)), ["not UTF-8"]),
         (b"name = 1\n\x89PNG\r\n\x1a\n", ["not UTF-8"]),
-        (b"\x00\x01\x02\x03", ["no TOML"]),
+        (b"\x00\x01\x02\x03", ["invalid TOML"]),
         (b"", ['"integrator" is missing']),
         (b"a = " + b"[" * 5000, ["nested too deeply"]),
         (b"name = 'x'\nlevel = " + b"9" * 4301, ["line 2", "too many digits"]),
