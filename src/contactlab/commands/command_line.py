@@ -38,7 +38,7 @@ def _below(where: str, name: str) -> str:
 
 
 class CommandLine(argparse.ArgumentParser):
-    """A parser that raises RequestError where argparse would print its usage and leave."""
+    """A parser that raises RequestError instead of printing its usage and exiting."""
 
     def error(self, message: str) -> NoReturn:
         """Raise a RequestError for a message of argparse."""

@@ -84,7 +84,7 @@ def print_how_to_look(folder: Path, registry: Registry, out: Terminal) -> None:
 
     line = ""
     if can_be_shown(folder, registry):
-        line = f"look at it: {shlex.join(['contactlab', 'view', str(folder)])}"
+        line = f"view it: {shlex.join(['contactlab', 'view', str(folder)])}"
     elif showing_recorder(registry) is None and (missing := registry.missing_packages(optional=False)):
         line = f"no timeline was recorded, as no viewer is installed: pip install {' '.join(missing)}"
     if line:

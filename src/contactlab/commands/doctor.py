@@ -150,7 +150,7 @@ def _plugins(registry: Registry) -> Iterator[Fact]:
     origins = {str(offer.origin) for offer in offers}
     yield Fact("plugins", f"{len(offers)} parts from {len(origins)} packages")
     for item in (*registry.broken(), *registry.incomplete()):
-        yield Fact("broken plugin", f"{item.origin} {item.item}: {item.reason}", f"mend or update {item.origin}")
+        yield Fact("broken plugin", f"{item.origin} {item.item}: {item.reason}", f"fix or update {item.origin}")
     for item in registry.burdens():
         yield Fact("plugin", f"{item.origin}: {item.reason}", f"ask the authors of {item.origin}")
 

@@ -95,7 +95,7 @@ def refuse_name(name: str) -> None:
 
 
 def refuse_taken(kind: str, name: str) -> None:
-    """Raise RequestError where a part or a package of this name is installed."""
+    """Raise RequestError if a part or a package of this name is installed."""
     if name in default_registry().names(kind):
         offer = default_registry().offer(kind, name)
         raise RequestError(

@@ -119,8 +119,8 @@ def new_scene(options: argparse.Namespace) -> int:
 
 
 def named(text: str, name: str, source: str) -> str:
-    """The text of a scene under another name, everything else as it stands; a first line says where it is from."""
-    head = f"# {name}, begun from {source}\n"
+    """The text of a scene under another name, otherwise unchanged; a first line gives its source."""
+    head = f"# {name}, based on {source}\n"
     own, changed = f'name = "{name}"', re.compile(r"^name\s*=.*$", re.MULTILINE)
     top, table_at, rest = text.partition("\n[")
     if changed.search(top):

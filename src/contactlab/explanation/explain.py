@@ -175,7 +175,7 @@ def _contact_forces(model: Model) -> str:
 
 
 def _order(scene: Scene, attempts: Attempts) -> str:
-    """The integrator that a run begins with, those that follow if it comes short, and those that refuse the scene."""
+    """The integrator that a run begins with, those that follow if it fails, and those that refuse the scene."""
     use, refused = str(scene.integrator["use"]), [attempt.brief for attempt in attempts.tried]
     later = [str(spec["use"]) for spec in attempts.order[len(refused) + 1 :]]
     then = f", then {', '.join(later)} if it fails" if later else ""

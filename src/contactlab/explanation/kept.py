@@ -1,4 +1,4 @@
-"""Trials that were made before: an archive in the user's cache, like those of results folders."""
+"""Trials that were made before: an archive in the user's cache, like the archives of results folders."""
 
 from __future__ import annotations
 

@@ -127,7 +127,7 @@ def run_trial(scene: Scene, share: float = 0.0) -> TrialRun:
         from contactlab.model.build import build
 
         build(scene, scene.registry)
-        last = done.stderr.decode(errors="replace").strip().splitlines()[-1:] or ["no word"]
+        last = done.stderr.decode(errors="replace").strip().splitlines()[-1:] or ["no message"]
         raise SimulationFailure("failed", f"the first steps: {last[0]}")
     return TrialRun.from_data(json.loads(done.stdout.splitlines()[-1]))
 

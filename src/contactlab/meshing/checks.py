@@ -32,7 +32,7 @@ def _check_places(mesh: Mesh, where: Where) -> None:
     if len(lost):
         x, y = mesh.nodes[lost[0]]
         raise SceneError(
-            f"{len(lost)} of {len(mesh.nodes)} nodes are nowhere",
+            f"{len(lost)} of {len(mesh.nodes)} nodes have no valid position",
             where=where,
             got=f"node {lost[0]} at ({x:g}, {y:g})",
             allowed=f"finite coordinates up to {FARTHEST:g}",
@@ -72,7 +72,7 @@ def _check_areas(mesh: Mesh, element: Element, where: Where) -> None:
 
 
 def _refuse_cells(mesh: Mesh, found: np.ndarray, where: Where, what: str, allowed: str, hint: str) -> None:
-    """Raise SceneError where cells were found, with the first of them."""
+    """Raise SceneError if cells were found, with the first of them."""
     if len(found):
         raise SceneError(
             f"{len(found)} of {len(mesh.cells)} cells {what}",

@@ -47,7 +47,7 @@ def _in_parts(points: Floats, surface: Surface, position: Floats, depths: Floats
 def nearest_segments(points: Floats, surface: Surface, position: Floats) -> tuple[Ints, Floats]:
     """Segments (n,) of a surface nearest to points (n, 2), and the projections (n,) of the points on their lines.
 
-    0 is the start of a segment and 1 its end; `position` (N, 2) [mm] are those of the model's nodes.
+    0 is the start of a segment and 1 its end; `position` (N, 2) [mm] of the model's nodes.
     """
     begin, end = (position[surface.nodes[surface.segments[:, k]]] for k in range(2))
     along, apart = end - begin, points[:, None] - begin

@@ -98,7 +98,7 @@ def quads_of(file: Any, group: str, scale: float) -> Quads:
 
 
 def _plane(points: Floats) -> Floats:
-    """Take x and y; raises ValueError where z varies or there are no nodes."""
+    """Take x and y; raises ValueError if z varies or there are no nodes."""
     if points.ndim != 2 or points.shape[1] not in (2, 3) or not len(points):
         raise ValueError(f"path: got coordinates of shape {list(points.shape)}, allowed: two or three for each node")
     if points.shape[1] > 2 and np.ptp(points[:, 2]) > 1e-9 * np.ptp(points[:, :2], axis=0).max():
@@ -124,7 +124,7 @@ def _chosen_cells(file: Any, group: str) -> Indices:
 
 
 def _inside(cells: Indices, nodes: int) -> Indices:
-    """The cells; ValueError where they name nodes that are not there (NumPy counts negative ones from the end)."""
+    """The cells; ValueError if they name nodes that do not exist (NumPy counts negative numbers from the end)."""
     lost = np.argwhere((cells < 0) | (cells >= nodes))
     if len(lost):
         cell, place = lost[0]

@@ -60,7 +60,7 @@ def shares(count: int, ratio: float, level: int) -> Floats:
 
 
 def check_axis(name: str, ends: tuple[float, ...], place: int, counts: Counts, ratios: Ratios) -> None:
-    """Raise ValueError where spans, counts and ratios do not fit; `place` is the axis' own in cells and grading."""
+    """Raise ValueError if spans, counts and ratios do not fit; `place` is the axis' own in cells and grading."""
     if len(ends) < 2 or not all(low < high for low, high in pairwise(ends)):
         raise ValueError(f"{name}: got {list(ends)}, allowed: at least two increasing coordinates [mm]")
     check_counts(counts, len(ends) - 1, f"cells: got {counts} at place {place}")

@@ -30,14 +30,14 @@ def in_words(size: float) -> str:
 
 
 def check_file_size(path: Path) -> None:
-    """Raise ValueError where a mesh file is larger than this machine can hold once it is read."""
+    """Raise ValueError if a mesh file is larger than this machine can hold once it is read."""
     size, limit = FILE_BYTES * path.stat().st_size, machine_memory()
     if size > limit:
         raise ValueError(f"path: got {path.name}: about {in_words(size)}, allowed: what fits into {in_words(limit)}")
 
 
 def check_number(got: str, cells: float, level: int) -> None:
-    """Raise ValueError where a mesh of so many cells at level 1 is more than this machine can hold at `level`.
+    """Raise ValueError if a mesh of so many cells at level 1 is more than this machine can hold at `level`.
 
     got  the key and its value, "cells: got [4, 2]"
     """

@@ -1,7 +1,7 @@
 """Cells of four nodes that bend: how far the energy of their bending is from the energy of a cell that can bend.
 
 A bilinear cell has two modes beyond constant strain, u = h xi eta. If it is bent along xi by such a mode, exact
-stresses are linear across the cell and vanish on its sides along xi: the energy is that of a beam,
+stresses are linear across the cell and vanish on its sides along xi: the energy is the energy of a beam,
 
     B = A E'/6 sum_k ((h . x_k) / |x_k|^2)^2,    x_1 = dx/dxi, x_2 = dx/deta, E' = E/(1 - nu^2),
 
@@ -90,8 +90,8 @@ class Bending:
             return None
         bends = "its cells bend, and its element is too"
         if error < 0.0:
-            return self.advice("locking", -error, f"{bends} stiff for that", error)
-        return self.advice("soft-bending", error, f"{bends} soft for that", error)
+            return self.advice("locking", -error, f"{bends} stiff in bending", error)
+        return self.advice("soft-bending", error, f"{bends} soft in bending", error)
 
     def advice(self, code: str, value: float, seen: str, error: float) -> RunWarning:
         """Warn of what was `seen`, of displacements that are wrong by `error`, and name an element that bends."""

@@ -95,7 +95,7 @@ def _wanted_in_tuple(entry: Any, value: Any) -> str:
         if str in get_args(entry):
             others = [one for one in others if get_close_matches(one, known, 1, SPELT)]
         nearest = [did_you_mean(one, known) for one in others]
-        return "; ".join([f"texts among {choices}", *filter(None, nearest[:1])]) if others else ""
+        return "; ".join([f"strings among {choices}", *filter(None, nearest[:1])]) if others else ""
     if entry is str:
         fits = isinstance(value, tuple) and all(isinstance(text, str) for text in value)
         return "" if fits else "a tuple of strings"

@@ -247,8 +247,8 @@ class Registry:
             others = [
                 b for b in self._incomplete_in(offer.part.target.partition(":")[0]) if b.item != _label(offer.part)
             ]
-            also = "".join(f"; its {b.item}, too: {b.reason}" for b in others)
-            raise PartError(message, where=where, hint=f"mend or update {error.where}{also}") from error
+            also = "".join(f"; also its {b.item}: {b.reason}" for b in others)
+            raise PartError(message, where=where, hint=f"fix or update {error.where}{also}") from error
 
     def make(self, kind: str, spec: Any, where: Where = "") -> Any:
         """An instance of the part that `spec` names: a string, or a table with `use` and fields.

@@ -81,7 +81,7 @@ def winners_sheet(winners: Sequence[Winner]) -> Sheet:
         case, label = "" if winner.case == label else winner.case, winner.case
         rows.append([case, f"{percent(winner.target, 1)} %", Cell(who, kind=_kind(winner)), cost, after])
     return Sheet([Column(name, keep=True) for name in ("case", "error", "cheapest", "CPU time", "next")], rows,
-                 "Who wins")  # fmt: skip
+                 "Cheapest method")  # fmt: skip
 
 
 def _kind(winner: Winner) -> str:
@@ -160,7 +160,7 @@ def references_sheet(asked: Sequence[Asked]) -> Sheet:
         [a.label, a.title, a.measure, a.reference, percent(a.uncertainty) if a.uncertainty else "exact", a.why]
         for a in asked
     )
-    return Sheet(["case", "question", "error that counts", "reference", *numbers("known to, %", "why")], rows)
+    return Sheet(["case", "question", "error measure", "reference", *numbers("uncertainty, %", "why")], rows)
 
 
 # --- how near to the limit ---

@@ -115,7 +115,7 @@ def _regions(axes: Axes) -> None:
     axes.axhline(100.0 * NEEDED, color=MUTED, linewidth=0.8, linestyle=(0, (4, 3)), zorder=0)
     axes.axvline(100.0 * DEAR, color=MUTED, linewidth=0.8, linestyle=(0, (4, 3)), zorder=0)
     for x, y, across, text in (
-        (0.99, 0.98, "right", "dear and needed"),
+        (0.99, 0.98, "right", "expensive and needed"),
         (0.99, 0.02, "right", "expensive, can be switched off"),
         (0.01, 0.98, "left", "cheap and needed"),
         (0.01, 0.02, "left", "cheap, can be switched off"),

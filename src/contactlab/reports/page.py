@@ -180,7 +180,7 @@ def _reference(reference: Reference | None, table: Table) -> str:
     facts = {
         "solution": reference.title,
         "origin": reference.origin,
-        "pressure known to": f"{percent(reference.pressure_uncertainty)} % ({meaning})",
+        "uncertainty of the pressure": f"{percent(reference.pressure_uncertainty)} % ({meaning})",
     }
     for name, scalar in reference.scalars.items():
         label = str(scalar.get("meaning", name))

@@ -77,7 +77,7 @@ def _slab(file: Any, layout: Layout, name: str, number: int) -> np.ndarray:
 
 
 def check_all(file: Any, layout: Layout, frames: int) -> None:
-    """Raise Damage where anything of the first frames, or stored once, is not as it was written."""
+    """Raise Damage if anything of the first frames, or stored once, is not as it was written."""
     if broken := broken_seals(file):
         raise Damage(f"{', '.join(broken)} {'is' if len(broken) == 1 else 'are'} damaged")
     if frames:

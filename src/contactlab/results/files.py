@@ -128,7 +128,7 @@ def write_summary(folder: Path, summary: Mapping[str, Any]) -> None:
 
 
 def plain(value: object) -> Any:
-    """NumPy numbers and arrays as JSON knows them; nan and inf become null."""
+    """NumPy numbers and arrays as JSON knows them; NaN and inf become null."""
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple | np.ndarray):

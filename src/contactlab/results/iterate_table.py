@@ -110,7 +110,7 @@ def checked_iterate(own: Any, row: int) -> Iterate:
 
 
 def check_iterates(own: Any, iterations: int) -> None:
-    """Raise Damage where anything of the first so many iterations is not as it was written."""
+    """Raise Damage if anything of the first so many iterations is not as it was written."""
     if GROUP not in own:
         return
     numbers = own[f"{GROUP}/number"][: int(own[GROUP].attrs["count"])]

@@ -11,9 +11,9 @@ NO_STRAIN = 1e-12  # round-off of positions over the size of a scene, with some 
 
 
 def reaction_mismatch(model: Model, least: float = 0.0) -> float:
-    """|sum of all support reactions and loads| over the largest of them: zero in statics; nan without two of them.
+    """|sum of all support reactions and loads| over the largest of them: zero in statics; NaN without two of them.
 
-    nan, too, where none is more than what the round-off of positions brings: a body that moves freely is at rest.
+    Also NaN if none exceeds the force from round-off of positions: a body that moves freely is at rest.
     A load counts by the sum of its nodal forces' magnitudes, so that one that balances itself has a size, too. A
     largest below `least` [N] counts as that.
     """

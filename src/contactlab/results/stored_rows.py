@@ -64,7 +64,7 @@ class StoredRows(StoredSequence[np.ndarray]):
             return np.asarray(rows[good])
 
     def check(self, own: Any) -> None:
-        """Raise Damage where any row is not as it was written."""
+        """Raise Damage if any row is not as it was written."""
         for block in self.blocks:
             self._whole(own, block)
 

@@ -153,7 +153,7 @@ def _ends(values: Floats) -> dict[str, float]:
 def _derived(model: Model, name: str) -> dict[str, Any]:
     """Values that implicit contact derived from the bodies: least and largest stiffness of a condition [N/mm].
 
-    Potentials set no conditions: nothing has to be zero where they push.
+    Potentials set no conditions: no complementarity residual exists.
     """
     conditions: Any = getattr(model.contact, "conditions", None)
     if conditions is None or model.contact is None:

@@ -56,7 +56,7 @@ class Attempt:
     @property
     def brief(self) -> str:
         """The end of the attempt, and the first clause of the reason."""
-        ended = "came short" if self.status == FINISHED else self.status
+        ended = "not accepted" if self.status == FINISHED else self.status
         cost = f" ({self.cpu_s:.2g} CPU s)" if self.reached else ""
         return f"{self.use} {ended}: {self.reason.partition(';')[0].partition(' (')[0]}{cost}"
 
@@ -71,7 +71,7 @@ class Attempts:
     """The integrators of a scene in their order, and the attempts before the present run.
 
     order  as the scene gives it
-    tried  all that came short, in their order
+    tried  all that did not get through, in their order
     cost   `cost` in the summary of the last of them, which includes those before
     """
 

@@ -71,7 +71,7 @@ class EnergyGuard:
         if self.judges_gain and self._too_much(1, gained, GAIN, last):
             stop(
                 self.model,
-                f"the energy {energy:.3g} is {gained:.3g} above that of the start and the work done from outside, "
+                f"the energy {energy:.3g} is {gained:.3g} above the initial energy plus the external work, "
                 f"{self._share(gained)} (allowed {GAIN:.0%}), since step {self.since[1]:.0f}; "
                 f"{self._fastest_body()}",
                 f"contact has made {float(self.work[3]):.3g}: {_cure(self.model, self.shorter)}",

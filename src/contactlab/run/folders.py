@@ -57,7 +57,7 @@ def results_folder(out: Path | str | None, name: str, resume: bool = False) -> I
         raise RequestError("no folder is named", where="--out", got=str(out), allowed="the name of a folder")
     if out is None and resume:
         found = sorted(RUNS.glob(f"{_plain(name)}-[0-9]*"))
-        hint = f"--out {found[-1]}" if found else "leave --resume away"
+        hint = f"--out {found[-1]}" if found else "omit --resume"
         raise RequestError("the folder of the run is needed", where="--resume", allowed="--out DIR", hint=hint)
     if out is None:
         folder = fresh_folder(name)
@@ -145,7 +145,7 @@ def resumed_folder(folder: Path) -> Path:
 
 
 def _refuse_links(folder: Path, names: Iterable[str]) -> None:
-    """Raise RequestError where one of these is a link: whoever made the folder could have us write anywhere."""
+    """Raise RequestError if one of these is a link: whoever made the folder could have us write anywhere."""
     for name in names:
         path = folder / name
         if path.is_symlink():

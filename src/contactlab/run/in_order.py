@@ -46,7 +46,7 @@ class InOrder:
         self.error: Exception | None = None  # of the first that could not begin
 
     def results(self, resume: bool) -> Results:
-        """Make runs until one gets through; with `resume` from where the one in the folder was saved.
+        """Make runs until one gets through; with `resume` continue from the saved run in the folder.
 
         Raises the first error if no run could begin.
         """

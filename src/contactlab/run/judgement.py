@@ -39,7 +39,7 @@ ENOUGH = 3  # pressed conditions: one or two in the middle of a symmetric pair m
 
 
 def judge(model: Model, sample: Sample | None, closed: Flags, largest_force: float = 0.0) -> None:
-    """Add warnings to those of a finished run.
+    """Add warnings to the warnings of a finished run.
 
     sample  the last one; closed (k,)  multipliers that pressed at any time; largest_force  [N] of the run. Raises
     SimulationFailure("not-converged") if the integral of a pressure is not the contact force.

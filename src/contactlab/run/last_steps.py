@@ -49,7 +49,7 @@ class LastSteps:
 
     rebuild      gives another model of the same scene, as it was before the first step
     share        the fraction of the run that is done at a time [s]
-    all_warnings  warnings judged at frames and at the end count, not only those of guards
+    all_warnings  warnings judged at frames and at the end count, not only warnings of guards
     """
 
     def __init__(

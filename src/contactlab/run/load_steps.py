@@ -183,14 +183,14 @@ class LoadSchedule(Schedule):
         tried, before, time = self.dt, self.failed, self.state.time
         if step.longest is not None:
             self.dt = min(step.longest, 0.9 * tried)
-            return f"a step of {tried:.6g} from time {time:.6g} is cut to {self.dt:.6g}: {step.reason}"
+            return f"step of {tried:.6g} from time {time:.6g} cut to {self.dt:.6g}: {step.reason}"
         if self.control is not None and step.error is not None and step.error > 1.0:
             self.part = self._ratio(step) * (self.path.fraction(time + tried) - self.path.fraction(time))
             self.dt = self._length()
             if self.part < SHORTEST_CONTROLLED * self.wished:
                 raise self._failure(tried, step, f"{self.part / self.wished:.1e} of the load increment")
-            return f"a step of {tried:.6g} from time {time:.6g} was rejected: {step.reason}; {self.dt:.6g} is tried"
-        # of the step that was taken, which a corner of the loading may have made shorter than it might have been
+            return f"step of {tried:.6g} from time {time:.6g} rejected: {step.reason}; retry with {self.dt:.6g}"
+        # of the step that was taken, which a corner of the loading may have shortened
         if self.skips:
             self.part = self.wished
         else:

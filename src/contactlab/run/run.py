@@ -1,4 +1,4 @@
-"""One run: a model with its guards, watches and recorders, new or restored from a checkpoint."""
+"""Run: a model with its guards, watches and recorders, new or restored from a checkpoint."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 SAVE_EVERY = 1.0  # seconds of wall time between saved states, at least
 SAVE_SHARE = 100.0  # and so many times what one costs: saving never takes more than a hundredth of a run
-ENDS = ("finished", "diverged", "not-converged")  # runs that cannot go on: what is saved is their end
+ENDS = ("finished", "diverged", "not-converged")  # runs that cannot be continued: the saved state is their end
 FAILED = ("diverged", "not-converged", "failed")  # runs whose last steps one wants to see
 OF_THE_LAST_STEP = ("reactions", "reaction_mismatch", "contacts", "balance", "invariants")  # of a summary
 KILLED = "the run ended without a message (killed, or still running)"

@@ -175,8 +175,8 @@ class Schedule:
                     "not-converged", f"step {self.state.step}: {step.reason} with a step of {tried:.3g} s, "
                     f"{tried / self.longest:.1e} of the stable step; try a larger tolerance",
                 )  # fmt: skip
-            start = f"a step of {tried:.6g} from time {self.state.time:.6g}"
-            return f"{start} was rejected: {step.reason}; {self.dt:.6g} is tried"
+            start = f"step of {tried:.6g} from time {self.state.time:.6g}"
+            return f"{start} rejected: {step.reason}; retry with {self.dt:.6g}"
         raise SimulationFailure("failed", f"step {self.state.step}: {step.reason or step.status.value}")
 
     def stop(self) -> None:

@@ -15,7 +15,7 @@ from contactlab.api.profile import Profile, Vector
 from contactlab.scene.fields import PartSpec, key, part
 
 Targets = str | tuple[str, ...]
-"""One or several of "body.edge_set" and names of rigid surfaces."""
+"""Single or several targets, "body.edge_set" or names of rigid surfaces."""
 
 
 @dataclass(frozen=True)
@@ -147,11 +147,11 @@ class Contact:
     enforcement: PartSpec | None = part(
         "enforcement", None, says="how gap conditions become forces; not written: the integrator's own"
     )
-    start: Start = key(Start(), says="what is done about an overlap before the run")
+    start: Start = key(Start(), says="treatment of an overlap before the run")
     corner: float | None = key(
         None, unit="degrees", above=0.0, most=180.0,
-        says="turn of the slave from which a node is a corner, where each flank has its own normal and pressure; "
-        "not written: 60, and 17 where the sides are straight beside it",
+        says="turn of the slave above which a node is a corner, where each flank has its own normal and pressure; "
+        "not written: 60, and 17 if the adjacent sides are straight",
     )  # fmt: skip
 
     @property
@@ -249,11 +249,11 @@ class Rigid:
     """`[rigid.NAME]`: a rigid surface, at rest or moved in time; a master only. It has no mass and no step limit."""
 
     line: tuple[Vector, ...] | None = key(
-        None, unit="mm", says="points of a polyline, the solid on its left; closed where the last point is the first"
+        None, unit="mm", says="points of a polyline, the solid on its left; closed if the last point is the first"
     )
     arc: Arc | None = key(None, says="an arc instead of a line")
     segment: float | None = key(
-        None, unit="mm", above=0.0, says="longest segment; not written: that of the edge sets it touches"
+        None, unit="mm", above=0.0, says="longest segment; not written: as in the edge sets it touches"
     )
     ux: float | Ramp = key(0.0, unit="mm", says="displacement along x")
     uy: float | Ramp = key(0.0, unit="mm", says="displacement along y")

@@ -42,7 +42,7 @@ class Scene:
     symmetry: Literal["x"] | None = key(
         None, says="x: mirror symmetric about the line x = 0, and the asymmetry of the result is reported"
     )
-    threads: int = key(1, least=1, says="blocks of cells worked on at once; results are the same to the last bit")
+    threads: int = key(1, least=1, says="blocks of cells computed in parallel; results are the same to the last bit")
     time: Time = key(Time(), says="duration and steps")
     integrator: PartSpec = part(
         "integrator", says="how a step is made; auto: several are tried in order, the first that gets through is used"

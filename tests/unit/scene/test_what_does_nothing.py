@@ -136,7 +136,10 @@ def flat(made: Mesh) -> Mesh:
     [
         (twice, ["1 of 9 cells are duplicates", "cell 8 has the nodes of cell 3"]),
         (apart, ["has 2 pieces", "cells 8 and 8", "cell 8 the first"]),
-        (lambda made: with_node(made, 5, (np.nan, 0.0)), ["1 of 15 nodes are nowhere", "node 5 at (nan, 0)"]),
+        (
+            lambda made: with_node(made, 5, (np.nan, 0.0)),
+            ["1 of 15 nodes have no valid position", "node 5 at (nan, 0)"],
+        ),
         (lambda made: with_node(made, 5, (1e200, 0.0)), ["node 5 at (1e+200, 0)"]),
         (flat, ["8 of 8 cells have no area"]),
         (lambda made: Mesh(made.nodes, made.cells[:, ::-1].copy(), made.edges), ["8 of 8 cells are inverted"]),
