@@ -44,6 +44,7 @@ class ContactSnapshot:
     gaps         (k,) [mm] `FAR` without a constraint
     normals      (k, 2) unit vectors from the master towards the slave
     cover        (k,) [mm] overlap length of each multiplier
+    rubbed       (k,) [mm] length on which a slip stress bounds the tangential force
     forces       (2, k) [N] normal and tangential multipliers y; tangential ones are zero without friction
     tractions    (2, k) [MPa] Lambda = T^-1 y
     """
@@ -52,6 +53,7 @@ class ContactSnapshot:
     gaps: Floats
     normals: Floats
     cover: Floats
+    rubbed: Floats
     forces: Floats
     tractions: Floats
 
@@ -304,6 +306,7 @@ class ContactPair(ABC):
             gaps=gaps[:, 0],
             normals=self.normals.copy(),
             cover=self.cover.copy(),
+            rubbed=self.cover.copy(),
             forces=forces,
             tractions=np.stack([self.tractions(force) for force in forces]),
         )

@@ -41,7 +41,7 @@ class PointsPair(OperatorPair):
         normals[:m], lengths[:m] = normal, cover
         gaps[:m] = np.where(cover > 0.0, self.at_nodes(points.gaps), FAR)
         tractions = np.divide(forces, lengths, out=np.zeros_like(forces), where=lengths > 0.0)
-        return ContactSnapshot(points.at, gaps, normals, lengths, forces, tractions)
+        return ContactSnapshot(points.at, gaps, normals, lengths, lengths, forces, tractions)
 
     @property
     def at_points(self) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from contactlab.api.compiled.friction import friction_limit
 from contactlab.api.compiled.kernel import kernel, section, summation
 from contactlab.api.compiled.unpack import unpack
+from contactlab.kernels.contact.record import STICKS
 
 MODEL = "d2 d1 d1 l1 l1 l1"
 CONTACT = "d2 d2 d2 i1 i1 i1 d2 i1 d1 d1 d2 i1 d1 i1 i1"
@@ -110,7 +111,7 @@ def contact_scalars(row, bound, column, count, factored):
             now[slot[k]] = ACTIVE
             if friction:
                 limit = friction_limit(bounds[0, k], bounds[1, k], bounds[2, k], measure[k], pressed)
-                if pulled < limit * (1.0 - 1e-9):
+                if pulled < limit * STICKS:
                     out[at + 1] += 1.0
                     now[slot[k]] = STICKING
         across, along = offset[k], 0.0

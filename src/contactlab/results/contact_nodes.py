@@ -9,6 +9,7 @@ from contactlab.api.contact_steps import NO_SEGMENT
 from contactlab.contact.gap_pair import GapPair
 from contactlab.contact.pair import ContactPair, ContactSnapshot
 from contactlab.kernels.contact.pair import FAR
+from contactlab.kernels.contact.record import STICKS
 
 ROUND = 1e-9  # of the largest force: what linear solves leave at nodes that carry none
 
@@ -70,7 +71,7 @@ def friction_bound(pair: ContactPair, seen: ContactSnapshot) -> Floats:
     if pair.friction is None:
         return np.zeros_like(normal_force)
     assert pair.sliding is not None
-    return FrictionBound(*pair.sliding.of(slice(None))).limits(normal_force, seen.cover)[0]
+    return FrictionBound(*pair.sliding.of(slice(None))).limits(normal_force, seen.rubbed)[0]
 
 
 def states_of(pair: ContactPair, seen: ContactSnapshot, bound: Floats) -> Ints:
@@ -78,7 +79,7 @@ def states_of(pair: ContactPair, seen: ContactSnapshot, bound: Floats) -> Ints:
     normal_force, tangential_force = seen.forces
     least = ROUND * normal_force.max(initial=0.0)
     pressed = (normal_force > least) | (np.abs(tangential_force) > least)
-    short = np.maximum(1e-9 * bound, pair.lagged * normal_force.max(initial=0.0))
-    stick = pressed & (np.abs(tangential_force) < bound - short)
+    below = np.minimum(STICKS * bound, bound - pair.lagged * normal_force.max(initial=0.0))
+    stick = pressed & (np.abs(tangential_force) < below)
     per_slot = np.where(stick, 1, np.where(pressed, 2, 0)).astype(np.int32)
     return np.asarray(per_slot.reshape(pair.rows_per_node, -1).max(axis=0), np.int32)

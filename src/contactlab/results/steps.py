@@ -11,6 +11,7 @@ from contactlab.api import FactoredRows, Floats, FrictionBound, Step
 from contactlab.api.compiled.bound_arrays import BoundArrays
 from contactlab.api.state import WORK
 from contactlab.contact.pair import ContactPair
+from contactlab.kernels.contact.record import STICKS
 from contactlab.kernels.step_scalars import ACTIVE, CONTACT, MODEL, STICKING, model_scalars, step_scalars
 from contactlab.model.model import Model
 from contactlab.results.energies import split_of
@@ -159,7 +160,7 @@ def _conditions_of(c: Any, pair: ContactPair) -> tuple[np.ndarray, float]:
     sticking = np.zeros_like(active)
     if c.bound.shape[1]:
         bound, _ = FrictionBound(*c.bound[:, own]).limits(pressed, c.measure[own])
-        sticking = active & (pulled < bound - np.maximum(1e-9 * bound, pair.lagged * pressed.max(initial=0.0)))
+        sticking = active & (pulled < np.minimum(STICKS * bound, bound - pair.lagged * pressed.max(initial=0.0)))
     deepest = np.where(c.present[own], -c.gap[own], 0.0).max(initial=0.0)
     return np.where(sticking, STICKING, active * ACTIVE), float(deepest)
 

@@ -14,7 +14,7 @@ from contactlab.kernels.contact.pair import FAR, separations
 from contactlab.kernels.contact.search import take
 from contactlab.kernels.contact.tables import PairTable
 
-STICKS = 1.0 - 1e-9  # of the bound: upper limit of the friction force in stick
+STICKS = 1.0 - 1e-5  # of the bound: upper limit of the friction force in stick; iterations end 1e-6 from a bound
 NONE = 65535
 
 
