@@ -68,8 +68,11 @@ def choose_plan(
     scene, _ = first_that_fits(scene, registry)
     search = _Search(Trials(scene, wish, registry, said))
     yield from search.survey()
-    yield from search.refine()
-    yield from search.cheaper()
+    tried = 0
+    while tried < len(search.trials.all):  # trials may widen what is unknown
+        tried = len(search.trials.all)
+        yield from search.refine()
+        yield from search.cheaper()
     yield from search.timings()
     return answer(search.trials)
 
