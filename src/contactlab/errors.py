@@ -8,7 +8,7 @@ from typing import Any, Final
 
 
 class _Nothing:
-    """Marks "no value given", where None would be a value."""
+    """Marks "no value given", if None would be a value."""
 
     def __repr__(self) -> str:
         return "nothing"

@@ -81,7 +81,7 @@ SHARE = 0.05
 
 
 def import_what_draws() -> None:
-    """Libraries that draw the page: seconds where Python has not compiled them yet, for which no point should wait."""
+    """Libraries that draw the page: seconds if Python has not compiled them yet, for which no point should wait."""
     import_module("contactlab.reports.accuracy_page")
 
 

@@ -25,7 +25,7 @@ WITHOUT_CASES = f"no cases are installed, so benchmarks with known solutions are
 
 
 def check(options: argparse.Namespace) -> int:
-    """Check every part that is meant and show what came out; exit status 1 where anything failed."""
+    """Check every part that is meant and show what came out; exit status 1 if anything failed."""
     parts = subjects(options.target, options.kind, options.files, parse_settings(options.settings))
     only = _named(options.only, parts)
     if only and options.card:

@@ -22,7 +22,7 @@ FAILED = 1
 
 
 def budget(options: argparse.Namespace) -> int:
-    """Run the scene as it is and with each choice of numerics made finer; 1 where it does not finish as it is."""
+    """Run the scene as it is and with each choice of numerics made finer; 1 if it does not finish as it is."""
     registry = registry_with(options.files)
     scene = load_scene(options.scene, registry, parse_settings(options.settings))
     with many(options, f"error-budget-{scene.name}") as driver:
@@ -75,7 +75,7 @@ def _row(share: Share) -> list[str]:
 
 
 def _part(value: float) -> str:
-    """In per cent where it is resolved."""
+    """In per cent if it is resolved."""
     return f"> {percent(UNRESOLVED)}" if value >= UNRESOLVED else percent(value)
 
 

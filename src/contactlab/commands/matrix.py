@@ -80,7 +80,7 @@ def show(found: Matrix) -> None:
 
 
 def show_orders(found: Matrix) -> None:
-    """Orders of convergence, where there are several levels."""
+    """Orders of convergence, if there are several levels."""
     lines = orders(found)
     if not lines:
         return

@@ -86,7 +86,7 @@ def _written(kind: str, spec: Any) -> str:
 
 
 def _made(kind: str, name: str, registry: Registry) -> str:
-    """With usual values for what is required; nothing where a field has none."""
+    """With usual values for what is required; empty if a field has none."""
     from contactlab.testing.assertions import NotApplicable
     from contactlab.testing.examples import example_spec
 

@@ -1,4 +1,4 @@
-"""Elements that lock where the material keeps its volume."""
+"""Elements that lock if the material is nearly incompressible."""
 
 from __future__ import annotations
 

@@ -85,7 +85,7 @@ def body_of(node: int, model: Model) -> Body:
 
 
 def edge_set(body: Body, node: int) -> str:
-    """A named edge set of the body that has the node, the shortest; "body" where none has."""
+    """A named edge set of the body that has the node, the shortest; "body" if none has."""
     sets = {name: edges for name, edges in body.mesh.edges.items() if node - body.first in edges}
     name = min(sets, key=lambda name: len(sets[name]), default="")
     return f"{body.name}.{name}" if name else body.name

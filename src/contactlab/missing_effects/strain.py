@@ -109,7 +109,7 @@ class UnusedYieldStress:
             self.worst[0] = max(self.worst[0], float(np.sqrt(0.5 * deviator + 3.0 * s[XY] ** 2).max()))
 
     def warning(self) -> RunWarning | None:
-        """Advise a plastic law where stresses exceed what the material is known to bear; None before."""
+        """Advise a plastic law if stresses exceed what the material is known to bear; None before."""
         law, stress = self.forces.body.material, float(self.worst[0])
         if stress <= law.elastic_limit():
             return None

@@ -43,12 +43,12 @@ def document(title: str, sections: Iterable[str]) -> str:
 
 
 def section(title: str, content: str) -> str:
-    """A section with a title; an empty text where it has no content."""
+    """A section with a title; an empty string if it has no content."""
     return f"<section>\n<h2>{escape(title)}</h2>\n{content}\n</section>" if content else ""
 
 
 def figure_section(figures: dict[str, Figure], name: str, title: str, caption: str, narrow: bool = False) -> str:
-    """The figure of a name with its caption, nothing where it was not drawn."""
+    """The figure of a name with its caption, empty if it was not drawn."""
     if name not in figures:
         return ""
     svg = inline_svg(figures[name], name, escape(title))

@@ -8,7 +8,7 @@ MISSING = "\N{EN DASH}"
 
 
 def significant(value: float, digits: int = 3) -> str:
-    """`digits` significant digits, powers of ten outside 1e-3 .. 1e6; whole numbers where `digits` is 0."""
+    """`digits` significant digits, powers of ten outside 1e-3 .. 1e6; whole numbers if `digits` is 0."""
     if math.isnan(value):
         return MISSING
     if math.isinf(value):

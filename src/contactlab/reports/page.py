@@ -122,7 +122,7 @@ def _cards(table: Table, chosen: dict[str, Style]) -> str:
 
 
 def _card(finding: Finding, style: Style, units: Units) -> str:
-    """Peaks, cost, and errors where there is something to measure them by."""
+    """Peaks, cost, and errors if there is a reference."""
     state = "finished" if finding.finished == finding.runs else "failed"
     facts = [
         ("pressure error", finding.pressure_error, "%"), ("swap asymmetry S", finding.swap_asymmetry, "%"),

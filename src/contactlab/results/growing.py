@@ -77,7 +77,7 @@ class GrowingFile:
         self.below.commit()
 
     def close(self) -> None:
-        """Close the file with all changes, or as it was at the last flush where the disk takes no more."""
+        """Close the file with all changes, or as it was at the last flush if the disk is full."""
         try:
             self.file.close()
             self.below.commit()

@@ -77,7 +77,7 @@ class JournaledFile:
         self.log = os.open(place, os.O_RDWR | os.O_CREAT | os.O_EXCL | NO_LINK, 0o666)
 
     def commit(self) -> None:
-        """Write all changes. Raises OSError, before anything is changed, where the disk has no room for them."""
+        """Write all changes. Raises OSError, before anything is changed, if the disk has no space for them."""
         if not self.writes and self.size == os.fstat(self.descriptor).st_size:
             return
         self._reserve(os.fstat(self.descriptor).st_size)

@@ -50,7 +50,7 @@ def nodal_values(position: Floats, cells: Ints, values: Floats) -> Floats:
 
 
 def _solved(matrix: Floats, right: Floats, counts: Ints) -> Floats:
-    """The plane's value at each node; the mean where cells lie on a line or are too few."""
+    """The plane's value at each node; the mean if cells lie on a line or are too few."""
     found = right[:, 0] / np.maximum(counts, 1)[:, None]
     second = matrix[:, 1:, 1:] - matrix[:, 1:, :1] * matrix[:, :1, 1:] / np.maximum(counts, 1)[:, None, None]
     least, most = np.linalg.eigvalsh(second).T if len(second) else (np.zeros(0), np.zeros(0))

@@ -38,7 +38,7 @@ class Window:
         return min(taken * size, layout.budget * MEGABYTE)
 
     def following(self, step: int) -> float:
-        """The first step after `step` that is taken; infinite where none is."""
+        """The first step after `step` that is taken; infinite if there is none."""
         due = self.first if step < self.first else self.first + ((step - self.first) // self.every + 1) * self.every
         return due if due <= self.last else math.inf
 

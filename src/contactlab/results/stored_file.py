@@ -18,7 +18,7 @@ class Foreign(Damage):
 
 
 def check_inside(file: Any) -> None:
-    """Raise Foreign where a file takes anything from another file: it may be any file of whoever reads it."""
+    """Raise Foreign if a file takes anything from another file: it may be any file of whoever reads it."""
     import h5py
 
     inside = h5py.h5l.TYPE_HARD, h5py.h5l.TYPE_SOFT

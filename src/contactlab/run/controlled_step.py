@@ -1,4 +1,4 @@
-"""Steps whose lengths follow their errors: what is rejected, and where the next one ends."""
+"""Steps whose lengths follow their errors: rejection of steps, and the end of the next step."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def rejected(step: Step) -> Step:
 
 
 class ControlledStep:
-    """Advances an explicit model, and brings it back where the error of a step exceeds its tolerance."""
+    """Advances an explicit model, and restores it if the error of a step exceeds its tolerance."""
 
     def __init__(self, advance: Callable[[float], Step], model: Model) -> None:
         self.advance, self.model = advance, model

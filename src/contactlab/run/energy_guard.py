@@ -54,7 +54,7 @@ class EnergyGuard:
             self._pressed_at_the_start(store)
 
     def check(self, last: bool = False) -> None:
-        """Stop where energy has appeared for many steps; at the `last` step also where there is very much more."""
+        """Stop if energy has appeared for many steps; at the `last` step also if there is very much more."""
         if "velocity" not in self.model.state:
             return
         energy, gained, unexplained = self._measure()

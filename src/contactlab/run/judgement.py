@@ -139,7 +139,7 @@ def _judge_friction(model: Model, pair: ContactPair) -> None:
 
 
 def _slips(model: Model, pair: ContactPair) -> Floats:
-    """Slips (k,) [mm] of the last step; 0 where an iteration cannot distinguish them from sticking."""
+    """Slips (k,) [mm] of the last step; 0 if an iteration cannot distinguish them from sticking."""
     conditions = getattr(model.contact, "conditions", None)
     if conditions is None:
         return slips_of(model)[pair.own]

@@ -30,7 +30,7 @@ class KeptGap(NamedTuple):
     """A pair with the node that is furthest off, and what all distances of the model change.
 
     apart  [mm] of the node, negative within the other side
-    share  of the pair's force that is too much, negative where it is too small
+    share  of the pair's force that is too much, negative if it is too small
     moved  the largest change of a displacement over the largest displacement of the model
     """
 

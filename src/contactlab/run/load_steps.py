@@ -1,4 +1,4 @@
-"""Step lengths of implicit runs: as the scene wishes, shorter where Newton's method fails, and back again."""
+"""Step lengths of implicit runs: as the scene wishes, shorter if Newton's method fails, and back again."""
 
 from __future__ import annotations
 
@@ -155,7 +155,7 @@ class LoadSchedule(Schedule):
         return count
 
     def _took(self, step: Step, dt: float) -> None:
-        """Follow an accepted step: longer again where it was easy."""
+        """Follow an accepted step: longer again if it converged easily."""
         self.failed, jumped = None, self.stabilised.replaces is not None
         if self.contact_times is not None:
             self.contact_times.follow(step, dt)
@@ -178,7 +178,7 @@ class LoadSchedule(Schedule):
     def cut(self, step: Step) -> str:
         """Shorten a step that failed; what was done, for the record.
 
-        Raises SimulationFailure below the shortest, and where an attempt went as the longer one before it did.
+        Raises SimulationFailure below the shortest, and if an attempt repeats the longer attempt before it.
         """
         tried, before, time = self.dt, self.failed, self.state.time
         if step.longest is not None:

@@ -46,7 +46,7 @@ class MotionGuard:
                 )
 
     def check_speed(self) -> None:
-        """Stop where a node moves faster than sound and ten times as fast as anything that is put in."""
+        """Stop if a node moves faster than sound and ten times as fast as any prescribed motion."""
         if "velocity" not in self.model.state:
             return
         velocity = self.model.state["velocity"]
@@ -65,7 +65,7 @@ class MotionGuard:
             )
 
     def check_cells(self) -> None:
-        """Stop where a cell is folded over: where det F is not positive at one of its points."""
+        """Stop if a cell is inverted: det F is not positive at one of its points."""
         for forces, derivatives in zip(self.model.forces, self.derivatives, strict=True):
             begin = 0
             for block in forces.blocks:

@@ -34,7 +34,7 @@ def recorders_of(scene: Scene, registry: Registry) -> dict[str, Recorder]:
 
 
 def default_recorders(registry: Registry) -> list[str]:
-    """Names of the installed recorders that serve where a scene names none."""
+    """Names of the installed recorders that are used if a scene names none."""
     return [name for name in registry.names("recorder") if registry.part_class("recorder", name).by_default]
 
 

@@ -1,4 +1,4 @@
-"""Taking up an interrupted run where it was saved."""
+"""Resuming an interrupted run where it was saved."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def saved_run(folder: Path) -> tuple[Results, Checkpoint] | None:
 
 
 def stored_results(folder: Path, otherwise: Results) -> Results:
-    """The results as they were written; `otherwise` where the disk did not take them all."""
+    """The results as they were written; `otherwise` if the disk did not take them all."""
     from contactlab.results.load import load_results
 
     try:

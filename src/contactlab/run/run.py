@@ -210,12 +210,12 @@ class Run:
             self.kept.take(self.model, self.schedule.dt)
 
     def listen(self) -> None:
-        """Store the last steps whole, where a guard has warned for the first time."""
+        """Store the last steps with all fields, when a guard has warned for the first time."""
         if self.last_steps is not None:
             self.last_steps.listen(self.journal, self.kept)
 
     def failed(self, status: str) -> None:
-        """Store the last steps whole, where the run came to no good end."""
+        """Store the last steps with all fields, if the run failed."""
         if self.last_steps is not None and status in FAILED and not self.journal.full:
             with suppress(SimulationFailure):  # the disk is full: the run has failed, and says why
                 self.last_steps.store(FAILURE, self.journal, self.kept)

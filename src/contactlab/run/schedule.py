@@ -138,7 +138,7 @@ class Schedule:
         return (*controlled, self._follow) if springs else controlled
 
     def _follow(self, step: Step, dt: float) -> None:
-        """Shorten the step where contact has become stiffer than it was thought to become."""
+        """Shorten the step if contact has become stiffer than expected."""
         if self.model.contact.stiffened:  # type: ignore[union-attr]
             self.adapt()
 

@@ -1,4 +1,4 @@
-"""Steps of statics with viscous forces, made where plain ones fail at all lengths, and what depends on them."""
+"""Steps of statics with viscous forces, made if plain steps fail at all lengths, and their influence."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Values in time that go to and fro: where they turn, and whether steps and frames can see it."""
+"""Alternating values in time: where they turn, and whether steps and frames resolve it."""
 
 from __future__ import annotations
 

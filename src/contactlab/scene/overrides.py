@@ -83,7 +83,7 @@ def _set(data: dict[str, Any], path: list[str], value: object, is_part: Callable
 
 
 def _step(holder: Any, name: str, path: list[str]) -> Any:
-    """The table or list called `name` inside `holder`, made where it does not exist yet."""
+    """The table or list called `name` inside `holder`, created if it does not exist."""
     if isinstance(holder, dict):
         if name not in holder and path[:-1] in _BY_NAME:
             raise _no_such_entry(path, holder)

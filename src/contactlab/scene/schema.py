@@ -43,7 +43,7 @@ def scene_schema(registry: Registry) -> Schema:
 
 
 def _kind(kind: str, registry: Registry, definitions: dict[str, Schema]) -> Schema:
-    """A part of this kind: its bare name where no field is required, or a table with `use`."""
+    """A part of this kind: its bare name if no field is required, or a table with `use`."""
     names = registry.names(kind)
     tables = []
     for name in names:
