@@ -85,7 +85,7 @@ def test_what_explains_or_chooses_takes_the_integrator_that_the_run_begins_with(
 @pytest.mark.parametrize(
     ("contact", "order", "why"),
     [
-        ({"enforcement": "active-set"}, ["central-difference", "newton"], "needs one of kind ExplicitEnforcement"),
+        ({"enforcement": "active-set"}, ["central-difference", "newton"], "needed: kind ExplicitEnforcement"),
         ({"enforcement": "nitsche"}, ["implicit-dynamics", "newton"], "follows the stress of the slave's cells"),
         ({"algorithm": "barrier"}, ["central-difference", "newton"], "is a potential"),
     ],
