@@ -115,7 +115,7 @@ def verdict_of(
 
 
 def worst(verdicts: Sequence[Verdict]) -> Verdict:
-    """The worst of several verdicts; met if there is none."""
+    """The worst of several verdicts; met without any."""
     return min(verdicts, key=WORST.index, default="met")
 
 
@@ -129,7 +129,7 @@ def _end(done: Mapping[str, Record]) -> tuple[str, str]:
 
 
 def _shown_to_have_no_limit(judged: Sequence[Judged]) -> str:
-    """The numbers of finished runs that show it, in words; empty if there are none, or if any number is off."""
+    """The numbers of finished runs that show it, in words; empty without any, or if a number is off."""
     if any(j.verdict != "met" for j in judged):
         return ""
     return "; ".join(f"{j.measure.name}: {j.value:.4g}" for j in judged if j.measure.role == "no-limit")

@@ -76,7 +76,7 @@ class PartSource:
 
 
 def find_reference(name: str, registry: Registry, beside: Path | None = None, where: Where = "reference") -> Source:
-    """An installed reference by its name, or the path of a JSON file. Raises RequestError if there is none."""
+    """An installed reference by its name, or the path of a JSON file. Raises RequestError if it does not exist."""
     if name in registry.names("reference"):
         return PartSource(name, registry.make("reference", name, where))
     return load_reference(name, beside=beside, where=where, known=registry.names("reference"))

@@ -28,7 +28,7 @@ ALGORITHMS = 2
 
 @dataclass(frozen=True)
 class Finest:
-    """References of the scenes of a study, by what their answers depend on; `why` there is none for others."""
+    """References of the scenes of a study, by what their answers depend on; `why` other scenes have no reference."""
 
     found: Mapping[str, Reference]
     why: Mapping[str, str] = field(default_factory=dict)
@@ -68,7 +68,7 @@ def finest_plan(
 
 
 def _answer_plan(scene: Scene, contact: int, folder: Path) -> Generator[Sequence[Any], Sequence[Any], Reference | str]:
-    """The reference of one scene, or why there is none."""
+    """The reference of one scene, or why it does not exist."""
     if (folder / f"{FINEST}.json").is_file():
         return load_reference(str(folder / f"{FINEST}.json"))
     levels = (scene.level, 2 * scene.level)

@@ -75,7 +75,7 @@ def row_of(plan: Plan, job: Combination, record: Record, named: Source | None) -
 def fitting_reference(
     scene: Mapping[str, Any], named: Source | None, registry: Registry | None = None
 ) -> tuple[Reference | None, str]:
-    """Return the study's reference if it holds, else an installed one that does; and why there is none."""
+    """Return the study's reference if it holds, else an installed one that does; and why none holds."""
     if named is not None and not named.mismatch(scene):
         return named.at(scene), ""
     found = matching_reference(scene, registry)

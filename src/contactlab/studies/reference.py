@@ -90,7 +90,7 @@ class Reference:
 
 
 def value_at(data: Any, key: str) -> Any:
-    """The value at a dotted key of nested tables and arrays; a private marker when there is none."""
+    """The value at a dotted key of nested tables and arrays; a private marker if the key is absent."""
     for name in key.split("."):
         try:
             data = data[int(name)] if isinstance(data, list | tuple) else data[name]
@@ -124,7 +124,7 @@ def load_reference(
 ) -> Reference:
     """A reference by bundled name, or by the path of its JSON file (relative to `beside`).
 
-    Raises RequestError when there is none, with the `known` names added, or the file is not a reference.
+    Raises RequestError if it does not exist, with the `known` names added, or the file is not a reference.
     """
     path = bundled().get(name) or (beside or Path()) / name
     known = sorted({*known, *bundled()})
@@ -168,7 +168,7 @@ def _lines(path: Path) -> list[str]:
 
 
 def _heading(names: Sequence[str], word: str) -> str:
-    """The column whose heading begins with a word; empty if there is none."""
+    """The column whose heading begins with a word; empty if no heading does."""
     plain = {name: name.strip().lower().replace("pressure", "p") for name in names}
     fitting = [
         name for name, text in plain.items() if text == word or text.startswith((f"{word}_", f"{word} ", f"{word}["))

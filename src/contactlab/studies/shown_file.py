@@ -23,7 +23,7 @@ SO_FAR = "so-far-"
 
 
 def showing_recorder(registry: Registry) -> Recorder | None:
-    """The first installed recorder whose recordings can be looked at; None if there is none."""
+    """The first installed recorder whose recordings can be looked at; None without such a recorder."""
     for name in registry.names("recorder"):
         if registry.part_class("recorder", name).shown_file:
             recorder: Recorder = registry.make("recorder", name)
@@ -52,7 +52,7 @@ def as_asked(recorder: Recorder, run: Results) -> Recorder:
 
 
 def recording_in(folder: Path, recorder: Recorder, names: Sequence[str] = ()) -> Path:
-    """The recording of the run or comparison in `folder`; if there is none, it is made from the results.
+    """The recording of the run or comparison in `folder`; a missing one is made from the results.
 
     With `names` of runs of a comparison it has these alone, in a folder of its own; so has a recording of runs side by
     side in a folder without a comparison. Runs that were killed or are still running are shown as far as they came.

@@ -110,7 +110,7 @@ def _outcomes(subject: Subject, only: Collection[str]) -> Iterator[Outcome]:
 def keeps_the_contract(subject: Subject) -> None:
     """The part is a class of its kind with all members of the contract, and can be made from usual values."""
     try:
-        subject.part_class  # noqa: B018 - raises if it is none
+        subject.part_class  # noqa: B018 - raises if it is not a class of the kind
         subject.make()
     except PartError as error:
         cause = error.__cause__

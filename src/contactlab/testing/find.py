@@ -20,7 +20,7 @@ from contactlab.testing.subject import Subject
 def subjects(
     target: str, kind: str = "", files: Sequence[str] = (), given: Mapping[str, Any] | None = None
 ) -> list[Subject]:
-    """The parts that `target` means, of one kind alone if one is given. Raises RequestError if there is none."""
+    """The parts that `target` means, of one kind alone if one is given. Raises RequestError without any."""
     if kind and kind not in KINDS:
         hint = did_you_mean(kind, KINDS)
         raise RequestError("there is no such kind", where="--kind", got=kind, allowed=", ".join(KINDS), hint=hint)
@@ -102,7 +102,7 @@ class _Project(Distribution):
 
     @property
     def version(self) -> str:
-        """Version in the table; empty if there is none."""
+        """Version in the table; empty without an entry."""
         return str(self.table.get("version", ""))
 
     def read_text(self, filename: str) -> str | None:

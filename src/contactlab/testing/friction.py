@@ -88,7 +88,7 @@ def _full(what: str, value: Any, count: int) -> Floats:
 
 
 def _where(bad: Any, inputs: Mapping[str, Any]) -> str:
-    """The inputs of the first multiplier that is bad; empty if there are none."""
+    """The inputs of the first multiplier that is bad; empty if all are good."""
     if not inputs or not bad.any():
         return ""
     one = int(np.flatnonzero(bad)[0])

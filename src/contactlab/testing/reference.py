@@ -113,7 +113,7 @@ def follows_the_depth(reference: ReferenceSolution) -> None:
 
 
 def _drive(scene: Scene) -> tuple[str, float]:
-    """Key and value of the longest way of a support along y, or of the largest pressure; 0 if there is none."""
+    """Key and value of the longest way of a support along y, or of the largest pressure; 0 without any."""
     moves: dict[str, float] = {}
     loads: dict[str, float] = {}
     for group, found, name in (("supports", moves, "uy"), ("loads", loads, "pressure")):
@@ -162,7 +162,7 @@ def _carries(found: Reference, solution: Solution) -> None:
 
 
 def _some(reference: ReferenceSolution) -> list[Scene]:
-    """Scenes to look at. Raises NotApplicable if there is none."""
+    """Scenes to look at. Raises NotApplicable without any."""
     found = list(scenes(reference))
     if not found:
         raise NotApplicable("it holds for no bundled scene, and gives no examples()")

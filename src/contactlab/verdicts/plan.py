@@ -18,7 +18,7 @@ PACKAGES = {"case": "contactlab-cases", "contact": "contactlab-mortar"}
 
 @dataclass(frozen=True)
 class Cell:
-    """One case with one setup. `variant` are the fields of the case that differ from its defaults."""
+    """Case with a setup. `variant` are the fields of the case that differ from its defaults."""
 
     name: str
     variant: Mapping[str, Any]

@@ -212,7 +212,7 @@ def _solver_views(shown: Sequence[Shown]) -> list[rrb.View | None]:
 def _series_view(
     shown: Sequence[Shown], group: str, name: str, wanted: Sequence[str] = (), legend: bool = False
 ) -> rrb.TimeSeriesView | None:
-    """Lines of a group that are not always zero, all or the `wanted` ones; None if there are none."""
+    """Lines of a group that are not always zero, all or the `wanted` ones; None without lines."""
     entities, overrides = [], {}
     for one in shown:
         for series, varying in one.series:

@@ -62,7 +62,7 @@ def _largest(first: tuple[str, Gathered, Appearance], what: str, known: Sequence
 
 
 def _curves(axes: Axes, run: Gathered, contact: str, what: str) -> tuple[Curves, np.ndarray, np.ndarray]:
-    """Instants, arc lengths (k,) within the axes and lengths (n, k) there, NaN where there are none."""
+    """Instants, arc lengths (k,) within the axes and lengths (n, k) there, NaN where unknown."""
     order = along_surface(axes, run.surfaces[contact])
     shown = curves_of(run, contact, len(order))
     return shown, run.surfaces[contact].s[order], np.asarray(getattr(shown, what)[:, order], np.float64)

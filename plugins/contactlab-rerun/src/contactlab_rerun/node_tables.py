@@ -67,5 +67,5 @@ def table(run: Gathered, contact: ContactLayout, frame: int, row: np.void | None
 
 
 def _words(values: np.ndarray) -> list[str]:
-    """Five digits of each number, an empty string if there is none."""
+    """Five digits of each number, an empty string for NaN."""
     return [f"{value:.5g}" if np.isfinite(value) else "" for value in values]

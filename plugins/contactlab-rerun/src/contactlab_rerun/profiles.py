@@ -148,5 +148,5 @@ def slips(rows: np.ndarray) -> np.ndarray:
 
 
 def in_brackets(unit: str) -> str:
-    """Return the unit as in a title; an empty string if there is none."""
+    """Return the unit as in a title; an empty string without a unit."""
     return f" [{unit}]" if unit else ""
