@@ -136,7 +136,7 @@ class _Search:
         """CPU time [s] that a run of the survey may take: a part of the search, and not far more than the others."""
         costs = [trial.cost for (_, n), trial in self.trials.all.items() if n == 1 and trial.finished]
         usual = max(min(costs, default=math.inf), EQUAL) * level ** GROWTH[1]
-        return min(self.limit, FAR * usual)
+        return float(min(self.limit, FAR * usual))
 
     def _load_steps(self, first: Configuration) -> Generator[Sequence[Any], Sequence[Any], int]:
         """Load steps with which the answer keeps still if it depends on them and nobody named them; 0 leaves them."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from contactlab.api.arrays import Floats
 from contactlab.api.enforcement import Enforcement
-from contactlab.api.formulas import install
+from contactlab.api.formulas import formulas_of, install
 
 NormalNeed = Literal["traction", "slip_rate", "dt", "time", "position"]
 """Names that a pressure law may need in addition to fields of the scene, see `NormalLaw`."""
@@ -147,3 +147,8 @@ class NormalLaw(Enforcement):
                 self.pressure(first - share * depth, stiffness, size, pressure, slope, **named)
                 total += 0.5 * weight * (high - low) * depth * pressure
         return total
+
+    @classmethod
+    def has_formula(cls) -> bool:
+        """Return whether `pressure` was written as a formula."""
+        return "pressure" in formulas_of(cls)
