@@ -1,1 +1,1 @@
-"""What accuracy costs in time: cases against contenders at several mesh levels, and what follows from the points."""
+"""Error against computing time: cases and methods on several mesh levels, and evaluations of the points."""

@@ -16,7 +16,7 @@ from contactlab.parts.registry import split_spec
 
 @dataclass(frozen=True)
 class Tried:
-    """One trial as it is reported: `error` is nan without a measure, `cpu_s` are the CPU times of its runs."""
+    """Trial as it is reported: `error` is NaN without a measure, `cpu_s` are the CPU times of its runs."""
 
     configuration: str
     level: int
@@ -28,7 +28,7 @@ class Tried:
 
 @dataclass(frozen=True)
 class Chosen:
-    """What was found.
+    """Answer of a search.
 
     verdict         "ok" if the upper end of `error_interval` is below the error that was asked for, else "cannot"
     choice          scene keys and values of the best that is known

@@ -129,7 +129,7 @@ class _Search:
         return [each for each in wanted if self.trials.ladder(each)]
 
     def _cheap(self, cost: float) -> bool:
-        """Whether less than half of what is left of the survey is enough for runs that cost so much [CPU s]."""
+        """Return whether less than half of the rest of the survey is enough for runs of this cost [CPU s]."""
         return cost < 0.5 * (SURVEY * self.wish.search - self.trials.spent)
 
     def _limit(self, level: int) -> float:

@@ -13,7 +13,7 @@ from contactlab.scene.scene import Scene
 
 @dataclass(frozen=True)
 class Configuration:
-    """One way to run a scene; an empty word leaves what the scene says.
+    """Configuration of a run; an empty string keeps the value of the scene.
 
     algorithm   of all contacts
     exchanged   numbers of the contacts whose slave and master are exchanged

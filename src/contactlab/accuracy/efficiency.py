@@ -1,4 +1,4 @@
-"""How near to the limit: the best that the slave's nodes could do, beside the error of a pressure."""
+"""Efficiency of pressures: the error of the best approximation on the slave's nodes over the error of a pressure."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the error of a run sits: what a finer mesh, time step, ramp, element and so on change, one at a time.
+"""Sources of the error of a run: changes by a finer mesh, time step, ramp, element and so on, one at a time.
 
 A result that lies off by C h^q changes by C h^q (1 - 2^-q) when h is halved, so that a change tells what part of the
 error one choice of numerics brings (Richardson 1911). Orders are those of theory, the lowest where it knows several.
@@ -33,7 +33,7 @@ SCATTER = 0.12
 
 @dataclass(frozen=True)
 class Knob:
-    """One choice of numerics and the scene keys that make it finer; `order` is that of its error.
+    """Choice of numerics and the scene keys that make it finer; `order` is the order of its error.
 
     exchanged  numbers of the contacts whose other side is the slave: nobody knows which of the two is the finer choice
     element    whether it changes elements
@@ -48,7 +48,7 @@ class Knob:
 
 @dataclass(frozen=True)
 class Share:
-    """What one knob does. Numbers are nan where a run gave none.
+    """Effect of one knob. Numbers that a run did not give are NaN.
 
     pressure   part of the error of the contact pressures in L2, as a fraction, the largest of all contacts
     force      part of that of the reactions and contact forces
@@ -67,7 +67,7 @@ class Share:
 
     @property
     def resolved(self) -> bool:
-        """Whether the change is small enough to tell the part of the error."""
+        """Return whether the change is small enough to give the part of the error."""
         return not self.part >= UNRESOLVED
 
     @property
@@ -135,7 +135,7 @@ def _run_plan(name: str, scene: Scene, told: Told) -> Generator[Sequence[Run], S
 
 
 def knobs_of(scene: Scene, summary: Mapping[str, Any], registry: Registry) -> list[Knob]:
-    """What can be made twice as fine in a scene; `summary` is that of the run as it is, which tells what it found."""
+    """Yield everything that can be made twice as fine in a scene; `summary` belongs to the run as it is."""
     kind = registry.part_class("integrator", scene.integrator["use"])
     knobs = [Knob("mesh", {"level": 2 * scene.level}, 1.0)]
     time = scene.data["time"]
@@ -202,7 +202,7 @@ def _share(knob: Knob, base: Record, finer: Record, judge: Judge) -> Share:
 
 
 def _away(knob: Knob, base: Record, finer: Record, mesh: Record, judge: Judge) -> bool:
-    """Whether an element does not lead to what the finer mesh leads to, as both take off the same error."""
+    """Return whether an element leads away from the result of the finer mesh, although both reduce the same error."""
     if not knob.element:
         return False
     before, after = _changes(base, mesh, judge), _changes(finer, mesh, judge)

@@ -1,4 +1,4 @@
-"""What a study of cases leaves beside its page: tables as CSV and all of it as JSON."""
+"""Files of a study of cases in addition to its page: tables as CSV and everything as JSON."""
 
 from __future__ import annotations
 

@@ -182,7 +182,7 @@ NEAR = 1e-5
 
 
 def common_window(profiles: Sequence[Profile]) -> Window:
-    """Where piecewise linear functions are compared: all of them, but for what is between jumps at their ends.
+    """Return the range in which piecewise linear functions are compared, without what lies between jumps at their ends.
 
     Where contact reaches the end of a body pressure jumps to zero, at the last node of the slave, whichever side that
     is. The ends of two bodies move apart: by d, far less than a segment, and the jump would make an error of the order

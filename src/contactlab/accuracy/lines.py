@@ -60,7 +60,7 @@ class Line:
 
     @cached_property
     def errors(self) -> list[float]:
-        """Of each finished point the largest error from there on: one that crosses zero on its way is no luck."""
+        """Return the largest error from each finished point on: a zero crossing is not a success."""
         found = np.array([max(point.error, TINY) for point in self.finished])
         return [float(e) for e in np.maximum.accumulate(found[::-1])[::-1]]
 
@@ -126,7 +126,7 @@ def scatter_of(points: Sequence[Point]) -> float:
 
 
 def better(lines: Sequence[Line]) -> list[Line]:
-    """Of each contender the slave with the smaller error times cost; and lines that have a point of the front."""
+    """Select the slave with the smaller error times cost for each method, and lines with a point of the front."""
     found: dict[str, Line] = {}
     for line in lines:
         before = found.get(line.contender)

@@ -33,7 +33,7 @@ class Order:
 
 
 def orders_of(found: Accuracy, lines: Sequence[Line]) -> list[Order]:
-    """Of each line with at least two points above what its reference can tell."""
+    """Compute the order of each line with at least two points above the uncertainty of its reference."""
     theory = {asked.label: asked.order for asked in found.asked}
     return [order for line in lines if (order := _order(line, theory.get(line.case, math.nan))) is not None]
 

@@ -1,4 +1,4 @@
-"""One point: a case, a contender, a slave and a level, with its error and what it cost."""
+"""Points: a case, a method, a slave and a level, with error and cost."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ SLAVES = ("declared", "exchanged")
 
 @dataclass(frozen=True)
 class Task:
-    """What a point is made from: `limit` of its CPU time [s], `repeat` of runs that take less than `short` [s]."""
+    """Settings of a point: `limit` of its CPU time [s], `repeat` of runs that take less than `short` [s]."""
 
     choice: CaseChoice
     contender: Contender
@@ -43,13 +43,13 @@ class Task:
 
     @property
     def slave(self) -> str:
-        """Which side carries the multipliers."""
+        """Side that carries the multipliers."""
         return SLAVES[self.swap]
 
 
 @dataclass(frozen=True)
 class Point:
-    """One point of a study.
+    """Point of a study.
 
     slave        "declared" as in the case, or "exchanged"
     error        relative error, nan where there is none
@@ -85,7 +85,7 @@ class Point:
 
     @property
     def finished(self) -> bool:
-        """Whether it came to its end, so that its error says something."""
+        """Return whether the run finished, so that its error is meaningful."""
         return self.status == "finished" and math.isfinite(self.error)
 
     @property
@@ -128,7 +128,7 @@ def point_plan(
 def _take_plan(
     task: Task, problem: Problem, registry: Registry, number: int, rank: tuple[float, ...], unless: Callable[[], str]
 ) -> Generator[Sequence[Run], Sequence[Record], Point]:
-    """One repetition: the runs of the case, evaluated."""
+    """Run one repetition: the runs of the case, evaluated."""
     keys: list[str] = []
 
     def asked(job: Job, scene: Scene) -> Run:

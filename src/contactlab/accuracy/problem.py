@@ -1,4 +1,4 @@
-"""One question of a study: a case with the error that counts, and what of the contenders can be put to it."""
+"""Question of a study: a case with the error that counts, and the methods that can answer it."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Problem:
     case: Case
 
     def setup(self, contender: Contender, swap: bool, level: int) -> Setup:
-        """What the case is put to."""
+        """Methods that the case is run with."""
         enforcement = contender.enforcement or ""
         return Setup(contender.algorithm, swap, contender.element, contender.integrator, level, enforcement)
 
@@ -79,14 +79,14 @@ class Problem:
         return abs(value)
 
     def uncertainty(self, setup: Setup) -> float:
-        """Of the reference, as a fraction; 0 for an exact one."""
+        """Uncertainty of the reference, as a fraction; 0 for an exact reference."""
         if self.choice.uncertainty is not None:
             return self.choice.uncertainty
         answer = self.measure(setup).answer
         return answer.uncertainty if answer is not None else 0.0
 
     def reference(self, setup: Setup) -> str:
-        """What the error is measured against, in a word."""
+        """Name of the reference of the error."""
         answer = self.measure(setup).answer
         return KINDS[self.choice.kind or (answer.kind if answer is not None else "")]
 
@@ -96,12 +96,12 @@ def _use(kind: str, spec: Any) -> str:
 
 
 def _is_error(measure: Measure) -> bool:
-    """Whether its value is an error itself, and no quantity that has an answer."""
+    """Return whether the value is an error itself, not a quantity with a known answer."""
     return measure.role == "reported" or measure.least == -measure.most or measure.least == -math.inf
 
 
 def is_relative(measure: Measure) -> bool:
-    """Whether a measure says how far off a result is, as a fraction."""
+    """Return whether a measure is the relative error of a result."""
     if measure.role == "error" and not measure.unit and measure.least == -measure.most:
         return True
     answer = measure.answer

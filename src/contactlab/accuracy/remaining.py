@@ -59,7 +59,7 @@ class Ladder:
 
 @dataclass(frozen=True)
 class Truth:
-    """What runs are measured against.
+    """Reference of the runs.
 
     uncertainty  relative, of the value
     words        where both are from

@@ -211,7 +211,7 @@ def plan(study: CaseStudy, registry: Registry) -> tuple[list[Asked], list[LineTa
 
 
 def points_of(lines: Sequence[LineTasks]) -> int:
-    """How many points there are."""
+    """Return the number of points."""
     return sum(len(line.tasks) for line in lines)
 
 

@@ -72,7 +72,7 @@ class SceneCase(Case):
         return (error(PRESSURE, math.inf, "it is measured here, not judged", answer=answer),)
 
     def exact_pressure(self, setup: Setup, done: Mapping[str, Record]) -> Solution | None:
-        """That of the reference, which it is compared with."""
+        """Return the pressure of the reference."""
         profile = self.against.profile
         return Solution(profile.x, profile.value, self.against.pressure_uncertainty, window=self.against.window)
 

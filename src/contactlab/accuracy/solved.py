@@ -13,7 +13,7 @@ BEST = "virtual best"
 
 @dataclass(frozen=True)
 class Solved:
-    """Of one contender: costs [s] of the questions that it solved, in increasing order, of `asked` in all.
+    """Costs [s] of the questions that a method solved, in increasing order, of `asked` in all.
 
     A question is a case, a slave and a target that the reference can tell; those that a contender cannot be put to
     are among those that it does not solve. `put` counts the ones that it can be put to.

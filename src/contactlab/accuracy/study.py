@@ -46,7 +46,7 @@ class CaseChoice:
 
     @property
     def label(self) -> str:
-        """What tables call it."""
+        """Name in tables."""
         return self.name or self.use or Path(self.scene).stem
 
 
@@ -67,7 +67,7 @@ class Contender:
 
     @property
     def label(self) -> str:
-        """What tables call it."""
+        """Name in tables."""
         return " ".join(filter(None, [method_name(self.algorithm), self.element, self.way]))
 
 

@@ -1,4 +1,4 @@
-"""What each target costs each contender in each case; who is cheapest, and who ties."""
+"""Cost of each target for each method in each case; the cheapest, and ties."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ KINDS = ("reached", "not-reached", "over-limit", "not-run", "failed", "grey")
 
 @dataclass(frozen=True)
 class Cost:
-    """What a line needs to come below a target.
+    """Return the cost at which a line comes below a target.
 
     kind       one of KINDS: grey are targets below what the reference can tell
     cost       CPU time of the cheapest run that keeps it [s], inf if none does; low, high  its interval
@@ -76,7 +76,7 @@ def _marks(group: Sequence[Cost]) -> list[tuple[Cost, str]]:
 
 
 def best_of(costs: Sequence[Cost]) -> dict[tuple[str, str, float], Cost]:
-    """Of each case, contender and target the better slave."""
+    """Select the better slave of each case, method and target."""
     found: dict[tuple[str, str, float], Cost] = {}
     for cost in costs:
         place = cost.case, cost.contender, cost.target

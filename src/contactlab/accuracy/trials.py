@@ -36,7 +36,7 @@ Plan = Generator[Sequence[Any], Sequence[Any], Any]
 
 @dataclass(frozen=True)
 class Wish:
-    """What is asked for: relative error, CPU time of the run that is chosen and of all trials [s]."""
+    """Request: relative error, CPU time of the chosen run and of all trials [s]."""
 
     error: float = 0.01
     budget: float = 60.0
@@ -62,7 +62,7 @@ class Trial:
 
     @property
     def finished(self) -> bool:
-        """Whether it came to its end."""
+        """Return whether the run finished."""
         return self.status == "finished"
 
     @property
@@ -189,19 +189,19 @@ class Trials:
         return PressuresJudged(self.judge) if self.pressed() else ForcesJudged()
 
     def pressed(self) -> bool:
-        """Whether pressures can be judged."""
+        """Return whether pressures can be judged."""
         return any(trial.pressures for trial in self.all.values())
 
     def bounded(self) -> bool:
-        """Whether an error can be promised: of pressures, or of forces where nothing is pressed at the end."""
+        """Return whether an error can be promised: of pressures, or of forces if nothing is pressed at the end."""
         return self.pressed() or not any(trial.facts["pressed"] for trial in self.all.values() if trial.finished)
 
     def value(self, trial: Trial) -> Any:
-        """What is compared of a run."""
+        """Return the quantities of a run that are compared."""
         return self.judged().value(trial.pressures, trial.forces)
 
     def comparable(self, trial: Trial) -> bool:
-        """Whether it has anything to compare."""
+        """Return whether there is anything to compare."""
         value = self.value(trial)
         return value is not None and len(value) > 0
 
@@ -224,7 +224,7 @@ class Trials:
         return exact if any(len(ladder.values) > 1 for ladder in exact) else [*exact, *others]
 
     def is_static(self, each: Configuration) -> bool:
-        """Whether its integrator knows no inertia."""
+        """Return whether the integrator has no inertia."""
         name = each.integrator or str(self.scene.integrator["use"])
         return not self.registry.part_class("integrator", name).inertia
 
@@ -233,7 +233,7 @@ class Trials:
         return next(each for each in self.configurations() if self.name(each) == name)
 
     def truth(self) -> Truth | None:
-        """What errors are measured against: an installed reference, else the finest runs."""
+        """Return the reference of errors: an installed one, else the finest runs."""
         if self._judged_at != len(self.all):
             self._judged_at, self._off = len(self.all), {}
             self._truth = self._find_truth()
