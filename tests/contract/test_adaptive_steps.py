@@ -96,7 +96,7 @@ def test_steps_stay_below_the_stable_one(swing: Any) -> None:
 
 def test_rejected_steps_leave_no_trace_but_events(swing: Any) -> None:
     results = swing(uses("adaptive-leapfrog", 1e-12))
-    told = [event.text for event in results.events if "was rejected: its error is" in event.text]
+    told = [event.text for event in results.events if "rejected: its error is" in event.text]
     assert told, "the first step, of the stable length, is too long"
     assert results.status == "finished", results.reason
     assert results.history["energy.error"].max() < 1e-9

@@ -46,10 +46,12 @@ class ContactSystem:
         self.memories = [state[f"memory.{p.name}"] if f"memory.{p.name}" in state else _EMPTY for p in pairs]
         self.margin = MARGIN * min(pair.size for pair in pairs)
         self.rows = allocate_rows(sum(pair.slots for pair in pairs), 64, self.friction)
+        self.factored: FactoredRows | None = None
         points = [cast("CornerPair", pair) for pair in pairs if pair.at_corners]
         self.cornered = [(pair.corners, pair) for pair in points]
         self.reduced = self._reductions(tuple(pair for pair in pairs if not pair.at_corners))
-        self.factored = self.reduced[0].factors if self.reduced else None
+        if self.reduced:
+            self.factored = self.reduced[0].factors
         self.last, self.compliance = Solve(0, 0.0, 0, 0.0), np.zeros_like(state["displacement"])
         self.seconds = self.solution_s = 0.0
         self.split: WorkSplit | None = None

@@ -102,7 +102,7 @@ def _energy(model: Model, sample: Sample) -> Iterator[Invariant]:
     energies = sample.energies
     known = ("internal", "external", "kinetic") if model.way_followed else ("kinetic",)
     odd = sum(not np.isfinite(energies[name]) for name in known)
-    yield Invariant("values that are not finite", "not-finite", "", float(odd), 0.0, "a finished run has none")
+    yield Invariant("numbers that are not finite", "not-finite", "", float(odd), 0.0, "a finished run has none")
     error = abs(energies["error"])
     felt = max(energies["kinetic"], np.abs(model.state["work"]).max()) > energy_of_strain(model, NO_STRAIN)
     if model.integrator.inertia:
@@ -279,7 +279,7 @@ def _kept_by_springs(model: Model, pair: ContactPair, sample: Sample) -> Iterato
     kept = {name: report.kept_work for name, report in sample.contacts.items()}
     if pair.name == max(kept, key=lambda name: kept[name]):
         yield Invariant(
-            "work to open all pressed nodes over work of the stresses", "kept-overlap", pair.name,
+            "work that would open all pressed nodes over that of the stresses", "kept-overlap", pair.name,
             sum(kept.values()) / stored, GIVE,
             "springs yield to the pressure, so bodies overlap more than under exact conditions",
         )  # fmt: skip
