@@ -136,7 +136,7 @@ def disc(**changes: Any) -> Scene:
 
 def test_what_has_no_smooth_surfaces_is_refused_in_words() -> None:
     assert "integrate over segments" in refused(**{"contacts.0.algorithm": "node-on-segment"})
-    assert "curved already" in refused(**{"bodies.disc.element": "q2", "bodies.block.element": "q2"})
+    assert "curved edges already" in refused(**{"bodies.disc.element": "q2", "bodies.block.element": "q2"})
     frozen = {"use": "active-set", "forces": "consistent"}
     assert "derivatives of their gaps" in refused(**{"contacts.0.enforcement": frozen})
     law = {"use": "linear-pressure"}

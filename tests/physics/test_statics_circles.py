@@ -125,7 +125,7 @@ def test_a_circle_is_left_by_part_of_a_correction(share: float) -> None:
     columns = three_in_a_ring(share)
     outcome = solved(columns, 25)
     assert outcome.reason == ""
-    assert any("circles" in row.note and row.length < 1.0 for row in outcome.trace)
+    assert any("cycle" in row.note and row.length < 1.0 for row in outcome.trace)
     # the tolerance on forces is relative to a load of 1, the matrix's inverse is below 1
     np.testing.assert_allclose(columns.displacement[:, 1], 1.0 / (1.0 + share), atol=10.0 * TOLERANCE)
 
