@@ -311,7 +311,7 @@ def contactlab_commands():
             registry.part_class("friction", "b")
         sys.modules.pop("my_part")
         assert "the friction b cannot be used" in str(caught.value)
-        assert "its friction a, too: my_part:A is incomplete: it has no bound" in str(caught.value)
+        assert "also its friction a: my_part:A is incomplete: it has no bound" in str(caught.value)
 
     def test_every_wrong_hook_of_a_file_is_told_at_once(self, tmp_path: Path) -> None:
         path = tmp_path / "my_part.py"

@@ -54,7 +54,7 @@ def test_a_bundled_scene_has_an_exact_pressure() -> None:
         ({"materials.lower.use": "neo-hookean"}, "law of body lower"),
         ({"supports.3": None}, "body lower bulges"),
         ({"supports.0.ux": 0.1}, "moves sideways"),
-        ({"bodies.upper.rotate": 1.0}, "turned"),
+        ({"bodies.upper.rotate": 1.0}, "rotated"),
         ({"bodies.upper.shift": [0.1, 0.0]}, "equally wide"),
         ({"bodies.lower.mesh.x": [0.0, 2.0]}, "equally wide"),
         ({"contacts.0.start.gap": "zero"}, "adjusted"),
@@ -80,4 +80,4 @@ def test_cases_of_even_layers_measure_by_it() -> None:
     assert pressure.answer.kind == "exact"
     assert pressure.answer.origin == REFERENCE.origin
     assert REFERENCE.mismatch(layers("patch").data) == ""
-    assert "turned" in REFERENCE.mismatch(layers("patch", turn=30.0).data)
+    assert "rotated" in REFERENCE.mismatch(layers("patch", turn=30.0).data)

@@ -32,5 +32,5 @@ def test_every_second_step_is_a_row() -> None:
 
 
 def test_rows_without_room_are_told() -> None:
-    with pytest.raises(LookupError, match="2 rows of the series nodal-forces are left out"):
+    with pytest.raises(LookupError, match="2 rows of the series nodal-forces do not fit"):
         table(watched(most=1, steps=7), "nodal-forces")

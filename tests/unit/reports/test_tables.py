@@ -201,7 +201,7 @@ class TestSingleRun:
 def test_a_comparison_in_which_nothing_finished_says_so_first(table: Table) -> None:
     lost = replace(table, rows=[replace(row, status="failed", reason="out of room") for row in table.rows])
     first = shown(render(lost)).splitlines()[0]
-    assert first.startswith(f"not one of {len(lost)} runs finished")
+    assert first.startswith(f"none of {len(lost)} runs finished")
     assert sentence(lost).startswith("Not one of 4 runs")
     assert "not one" not in shown(render(table))
 
