@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from contactlab.api.compiled.friction import friction_limit
+from contactlab.api.compiled.friction import STICKS, friction_limit
 from contactlab.api.compiled.kernel import kernel, section, summation
 from contactlab.api.compiled.unpack import unpack
-from contactlab.kernels.contact.record import STICKS
 
 MODEL = "d2 d1 d1 l1 l1 l1"
 CONTACT = "d2 d2 d2 i1 i1 i1 d2 i1 d1 d1 d2 i1 d1 i1 i1"

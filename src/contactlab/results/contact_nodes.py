@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from contactlab.api import Floats, FrictionBound, Ints
+from contactlab.api.compiled.friction import STICKS
 from contactlab.api.contact_steps import NO_SEGMENT
 from contactlab.contact.gap_pair import GapPair
 from contactlab.contact.pair import ContactPair, ContactSnapshot
 from contactlab.kernels.contact.pair import FAR
-from contactlab.kernels.contact.record import STICKS
 
 ROUND = 1e-9  # of the largest force: what linear solves leave at nodes that carry none
 

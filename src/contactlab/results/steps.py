@@ -9,9 +9,9 @@ import numpy as np
 
 from contactlab.api import FactoredRows, Floats, FrictionBound, Step
 from contactlab.api.compiled.bound_arrays import BoundArrays
+from contactlab.api.compiled.friction import STICKS
 from contactlab.api.state import WORK
 from contactlab.contact.pair import ContactPair
-from contactlab.kernels.contact.record import STICKS
 from contactlab.kernels.step_scalars import ACTIVE, CONTACT, MODEL, STICKING, model_scalars, step_scalars
 from contactlab.model.model import Model
 from contactlab.results.energies import split_of

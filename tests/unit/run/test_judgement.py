@@ -66,7 +66,9 @@ def test_a_pressure_of_another_force_stops_a_run(share: float) -> None:
     if share < judgement.WRONG:
         judgement._judge_pressure("contacts.0", share, 7)
         return
-    with pytest.raises(SimulationFailure, match=r"step 7: contacts.0: integrated contact pressure and contact force differ by 30%") as stopped:
+    with pytest.raises(
+        SimulationFailure, match=r"step 7: contacts.0: integrated contact pressure and contact force differ by 30%"
+    ) as stopped:
         judgement._judge_pressure("contacts.0", share, 7)
     assert stopped.value.status == "not-converged"
 

@@ -6,6 +6,8 @@ import numpy as np
 
 from contactlab.api.compiled.kernel import section
 
+STICKS = 1.0 - 1e-5  # of the bound: upper limit of the friction force in stick; iterations end 1e-6 from a bound
+
 
 @section
 def friction_limit(coefficient, adhesion, cap, measure, normal):

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from contactlab.api.compiled.bound_arrays import Bytes2, Floats1, Floats2, Ints1, Ints2, Shorts2, Singles2
 from contactlab.api.compiled.contact_tables import RowsTable
-from contactlab.api.compiled.friction import friction_limit
+from contactlab.api.compiled.friction import STICKS, friction_limit
 from contactlab.api.compiled.kernel import kernel, section
 from contactlab.api.compiled.unpack import unpack
 from contactlab.kernels.contact.coupling import solve_pivots
@@ -14,7 +14,6 @@ from contactlab.kernels.contact.pair import FAR, separations
 from contactlab.kernels.contact.search import take
 from contactlab.kernels.contact.tables import PairTable
 
-STICKS = 1.0 - 1e-5  # of the bound: upper limit of the friction force in stick; iterations end 1e-6 from a bound
 NONE = 65535
 
 
