@@ -75,7 +75,7 @@ class TestNewScene:
     def test_nothing_is_written_over(self, capsys: pytest.CaptureFixture[str]) -> None:
         Path("mine.toml").write_text("precious")
         assert main(["new-scene", "mine", "--from", "two-bars"]) == 2
-        assert "there already" in capsys.readouterr().err
+        assert "exists already" in capsys.readouterr().err
         assert Path("mine.toml").read_text() == "precious"
 
     @pytest.mark.parametrize("words", [["a b", "--from", "two-bars"], ["mine", "--from", "nothing"]])
