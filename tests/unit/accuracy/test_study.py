@@ -38,6 +38,7 @@ def inline() -> Iterator[None]:
         yield
 
 
+@pytest.mark.full  # plans a thousand runs
 def test_the_bundled_study_is_as_large_as_it_says() -> None:
     study = find_case_study("accuracy")
     assert study is not None
