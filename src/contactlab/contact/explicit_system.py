@@ -43,7 +43,7 @@ class ContactSystem:
         self.enforcement, self.state = enforcement, state
         self.multipliers, self.before = state["multipliers"], state["multipliers_before"]
         self.friction = any(pair.friction is not None for pair in pairs)
-        self.memories = [state[f"memory.{p.name}"] if f"memory.{p.name}" in state else _EMPTY for p in pairs]
+        self.memories = [state[f"memory.{p.name}"] if f"memory.{p.name}" in state else NO_MEMORY for p in pairs]
         self.margin = MARGIN * min(pair.size for pair in pairs)
         self.rows = allocate_rows(sum(pair.slots for pair in pairs), 64, self.friction)
         self.factored: FactoredRows | None = None
@@ -255,7 +255,7 @@ def slips(rows: Rows, slots: int, compliance: Floats, force: Floats) -> tuple[Fl
     return np.asarray(slip, np.float64), np.bincount(of, (moved * weight).sum(axis=1), slots).astype(np.float64)
 
 
-_EMPTY: Floats = np.zeros((0, 2))
+NO_MEMORY: Floats = np.zeros((0, 2))
 
 
 def allocate_rows(rows: int, entries_per_row: int, friction: bool) -> Rows:

@@ -19,6 +19,7 @@ from contactlab.api import (
 )
 from contactlab.api.compiled.bound_arrays import BoundArrays
 from contactlab.contact.differences import DerivativesOfPieces
+from contactlab.contact.explicit_system import NO_MEMORY
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair
 from contactlab.contact.start_gaps import FacetOverlap
@@ -154,7 +155,7 @@ class ModelGradients:
         self.touched = sum(len(pair.slave.nodes) + len(pair.master.nodes) for pair in pairs)
         self.ends = [PairEnds(pair, self.number, self.touched) for pair in pairs]
         names = [f"memory.{pair.name}" for pair in pairs]
-        self.memories = [state[name] if name in state else np.zeros((0, 2)) for name in names]
+        self.memories = [state[name] if name in state else NO_MEMORY for name in names]
         self.rows = self._room(8 * sum(pair.slots for pair in pairs))
 
     @property
