@@ -122,7 +122,7 @@ def _line(t: Floats, y: Floats) -> tuple[float, float]:
 def ranked(ladders: Sequence[Ladder], judged: Judged, truth: Truth | None = None) -> list[tuple[float, Ladder]]:
     """Ladders with the error that each has left, the least for its cost first; single levels by the truth so far.
 
-    Those of two levels, which tell nothing of the order, have the orders of those of more levels.
+    Two levels do not determine an order: they use the weights of orders of longer ladders.
     """
     fits = {each.name: _fit(each.values, judged) for each in ladders if len(each.values) > 1}
     longer = [fits[each.name][1] for each in ladders if len(each.values) > 2]
@@ -149,9 +149,9 @@ def beside(pairs: Sequence[tuple[float, Ladder]], most: int) -> list[tuple[float
 def truth_of(ladders: Sequence[Ladder], judged: Judged, climbers: int) -> Truth | None:
     """The mean of the best runs near the finest level, with weights 1/u for errors u left; None without two levels.
 
-    Its uncertainty is the largest of the error of the mean, which squared is the mean of u^2 less that of their squared
-    distances from the mean, of these distances, and of what the best runs with other elements or slaves lie off beyond
-    twice their own errors.
+    Its uncertainty is the largest of the error of the mean (squared: the mean of u^2 minus the mean squared distance
+    from the mean), of these distances, and of the distances of the best runs with other elements or slaves beyond twice
+    their own errors.
     """
     pairs = sorted(ranked([each for each in ladders if len(each.values) > 1], judged), key=lambda pair: pair[0])
     if not pairs:

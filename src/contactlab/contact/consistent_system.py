@@ -79,13 +79,15 @@ class ConsistentContactSystem(ContactSystem):
 class ConstantColumns(Columns):
     """Rows along normals that are exact derivatives of the gaps, as closest points are joined."""
 
+    pairs: Sequence[OperatorPair]
+
     def __init__(self, pairs: Sequence[OperatorPair], enforcement: ExplicitEnforcement, state: State) -> None:
         super().__init__(pairs, enforcement)
-        self.addresses, self.state, self.offset = pairs, state, np.zeros(len(self.factors.gap))
+        self.state, self.offset = state, np.zeros(len(self.factors.gap))
 
     def assemble(self, current: Floats, predicted: Floats) -> bool:
         """See `Reduced`; False if joined points are offset across the normal."""
-        if any(largest_sideways(pair.address) > ROUND for pair in self.addresses):
+        if any(largest_sideways(pair.address) > ROUND for pair in self.pairs):
             return False
         super().assemble(current, predicted)
         rows, velocity, dt = self.factors, self.state["velocity"], self.state.last_dt

@@ -25,7 +25,7 @@ def with_corners(pair: OperatorPair, seen: ContactSnapshot, multipliers: Floats)
     """
     corners = pair.corners
     assert corners is not None
-    forces, rubbed = corners.at_nodes(seen.forces), corners.at_nodes(seen.rubbed[None])[0]
+    forces, grip = corners.at_nodes(seen.forces), corners.at_nodes(seen.grip[None])[0]
     tractions = np.stack([pair.tractions(force) for force in forces])
     pointed = corners.at_nodes(np.zeros_like(forces))
     taken = [k for moved in corners.moved for k in (moved.slot, moved.partner)]
@@ -51,7 +51,7 @@ def with_corners(pair: OperatorPair, seen: ContactSnapshot, multipliers: Floats)
     pointed[:, bears & ~enough] = forces[:, bears & ~enough]
     cover[bears] = np.where(enough, cover, np.where(cover > 0.0, LEAST, 1.0) * pair.full)[bears]
     tractions[:, bears] += pointed[:, bears] / cover[bears]
-    return ContactSnapshot(seen.at, gaps, normals, cover, rubbed, forces, tractions)
+    return ContactSnapshot(seen.at, gaps, normals, cover, grip, forces, tractions)
 
 
 def _of_points(pair: OperatorPair, multipliers: Floats, slots: int) -> tuple[Floats, Floats]:

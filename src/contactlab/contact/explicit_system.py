@@ -43,7 +43,7 @@ class ContactSystem:
         self.enforcement, self.state = enforcement, state
         self.multipliers, self.before = state["multipliers"], state["multipliers_before"]
         self.friction = any(pair.friction is not None for pair in pairs)
-        self.memories = [state[f"memory.{p.name}"] if f"memory.{p.name}" in state else NO_MEMORY for p in pairs]
+        self.memories = [pair.memory_in(state) for pair in pairs]
         self.margin = MARGIN * min(pair.size for pair in pairs)
         self.rows = allocate_rows(sum(pair.slots for pair in pairs), 64, self.friction)
         self.factored: FactoredRows | None = None
@@ -224,6 +224,8 @@ class Reduced(Protocol):
 class Columns:
     """Rows along normals: columns of D and M, and the factors of T."""
 
+    pairs: Sequence[ContactPair]
+
     def __init__(self, pairs: Sequence[ContactPair], enforcement: ExplicitEnforcement) -> None:
         self.pairs, self.enforcement, slots = pairs, enforcement, sum(pair.slots for pair in pairs)
         self.factors = FactoredRows.allocate(slots, 8 * slots)
@@ -253,9 +255,6 @@ def slips(rows: Rows, slots: int, compliance: Floats, force: Floats) -> tuple[Fl
     moved = weight * compliance[node]
     slip = np.bincount(slot, rows.slip[:k], slots) + np.bincount(of, (moved * force[node]).sum(axis=1), slots)
     return np.asarray(slip, np.float64), np.bincount(of, (moved * weight).sum(axis=1), slots).astype(np.float64)
-
-
-NO_MEMORY: Floats = np.zeros((0, 2))
 
 
 def allocate_rows(rows: int, entries_per_row: int, friction: bool) -> Rows:

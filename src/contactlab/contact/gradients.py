@@ -19,7 +19,6 @@ from contactlab.api import (
 )
 from contactlab.api.compiled.bound_arrays import BoundArrays
 from contactlab.contact.differences import DerivativesOfPieces
-from contactlab.contact.explicit_system import NO_MEMORY
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair
 from contactlab.contact.start_gaps import FacetOverlap
@@ -154,8 +153,7 @@ class ModelGradients:
         self.number = np.full(len(state["displacement"]), -1, np.int32)
         self.touched = sum(len(pair.slave.nodes) + len(pair.master.nodes) for pair in pairs)
         self.ends = [PairEnds(pair, self.number, self.touched) for pair in pairs]
-        names = [f"memory.{pair.name}" for pair in pairs]
-        self.memories = [state[name] if name in state else NO_MEMORY for name in names]
+        self.memories = [pair.memory_in(state) for pair in pairs]
         self.rows = self._room(8 * sum(pair.slots for pair in pairs))
 
     @property
@@ -207,8 +205,10 @@ def push_facets(
 
     Rows from `first` on may belong to the pair; `offset` (k,) [mm] is added to the gaps of the rows at the end.
     """
-    time, dt, facets = state.time, state.last_dt, pair.start_gaps
-    if not isinstance(facets, FacetOverlap) or (pushed := facets.pushed(max(0.0, time - dt), time + dt)) is None:
+    if not isinstance(facets := pair.start_gaps, FacetOverlap):
+        return
+    time, dt = state.time, state.last_dt
+    if (pushed := facets.pushed(max(0.0, time - dt), time + dt)) is None:
         return
     slot = rows.slot[first : rows.count] - pair.first_slot
     own = first + np.flatnonzero((slot >= 0) & (slot < len(pushed)))

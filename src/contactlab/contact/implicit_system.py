@@ -90,16 +90,12 @@ class ImplicitContactSystem:
         """Return how many calls of each method of the algorithms an iteration makes."""
         return sum((Counter(pair.calls_per_step()) for pair in self.passes), Counter())
 
-    def _memory(self, pair: ContactPair) -> Floats:
-        name = f"memory.{pair.name}"
-        return self.state[name] if name in self.state else np.zeros((0, len(pair.slave.nodes)))
-
     def begin_step(self, position: Floats, time: float) -> None:
         """Begin a step that ends at `time` [s] from `position` (N, 2), with the memory of the state."""
         self.start[:] = position
         self.time[0] = time
         for linear in self.linear:
-            linear.memory[:] = self._memory(linear.pair)
+            linear.memory[:] = linear.pair.memory_in(self.state)
             linear.pair.evaluated = False
         for potential in self.potentials:
             potential.begin_step(position)
@@ -152,7 +148,7 @@ class ImplicitContactSystem:
     def accept(self) -> None:
         """Move the memory of the last evaluation into the state."""
         for linear in self.linear:
-            self._memory(linear.pair)[:] = linear.memory
+            linear.pair.memory_in(self.state)[:] = linear.memory
             linear.pair.evaluated = True
             linear.accept()
         for potential in self.potentials:

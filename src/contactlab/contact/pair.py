@@ -44,7 +44,7 @@ class ContactSnapshot:
     gaps         (k,) [mm] `FAR` without a constraint
     normals      (k, 2) unit vectors from the master towards the slave
     cover        (k,) [mm] overlap length of each multiplier
-    rubbed       (k,) [mm] length on which a slip stress bounds the tangential force
+    grip         (k,) [mm] length on which a slip stress bounds the tangential force
     forces       (2, k) [N] normal and tangential multipliers y; tangential ones are zero without friction
     tractions    (2, k) [MPa] Lambda = T^-1 y
     """
@@ -53,7 +53,7 @@ class ContactSnapshot:
     gaps: Floats
     normals: Floats
     cover: Floats
-    rubbed: Floats
+    grip: Floats
     forces: Floats
     tractions: Floats
 
@@ -137,7 +137,13 @@ class ContactPair(ABC):
         self.points: ContactPair | None = None
         self.memory: dict[str, Floats] = {}
         self._view: ContactView | None = None
+        self._no_memory = np.zeros((0, len(slave.nodes)))  # always the same, as views of a memory last as it does
         self.search_s = 0.0
+
+    def memory_in(self, state: State) -> Floats:
+        """Return the memory (memory_size, m) of the pair's algorithm in the state, and not a copy."""
+        name = f"memory.{self.name}"
+        return state[name] if name in state else self._no_memory
 
     @property
     def share(self) -> float:
@@ -291,10 +297,7 @@ class ContactPair(ABC):
         after a restart or a failed step, they are made at `position`.
         """
         if not self.evaluated:
-            memory = np.zeros((self.method.memory_size, len(self.slave.nodes)))
-            if self.method.memory_size:
-                memory[:] = state[f"memory.{self.name}"]
-            self.update(position, memory)
+            self.update(position, self.memory_in(state).copy())
             self.evaluated = True
         gaps = self.gaps_at(position)
         self._take_start_gaps(gaps)
@@ -306,7 +309,7 @@ class ContactPair(ABC):
             gaps=gaps[:, 0],
             normals=self.normals.copy(),
             cover=self.cover.copy(),
-            rubbed=self.cover.copy(),
+            grip=self.cover.copy(),
             forces=forces,
             tractions=np.stack([self.tractions(force) for force in forces]),
         )

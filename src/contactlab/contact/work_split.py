@@ -11,6 +11,7 @@ from contactlab.api import ExplicitIntegrator, Floats, Integrator, State, Step
 from contactlab.api.arrays import Flags
 from contactlab.api.state import CONTACT_WORK
 from contactlab.api.surface import SurfacePositions
+from contactlab.contact.consistent_system import ConstantColumns
 from contactlab.contact.contact_pairs import twin
 from contactlab.contact.explicit_system import ContactSystem
 from contactlab.contact.gradients import PairGradients
@@ -74,14 +75,14 @@ class WorkSplit:
         self.position[0], self.position[1] = self.position[1], reached
         self.velocity[:], self.last_dt[0] = velocity, dt
         for memory, pair in zip(self.memory, self.contact.pairs, strict=True):
-            memory[0], memory[1] = memory[1], self._remembered(pair, memory[1])
+            memory[0], memory[1] = memory[1], pair.memory_in(self.state)
 
     def _book(self, before: Floats, reached: Floats) -> None:
         left, force = self.position[0], self._normal_force()
         moved, parts, frozen, turned = reached - left, np.zeros(len(CONTACT_WORK)), 0.0, 0.0
         for split, pair, known in zip(self.pairs, self.contact.pairs, self.memory, strict=True):
             y = self.contact.multipliers[0, pair.own]
-            memory = self._remembered(pair, known[1])
+            memory = pair.memory_in(self.state)
             parts += split.parts(y, (left, known[0]), (reached, memory))
             if self.contact.consistent:
                 frozen += split.frozen(y, moved)
@@ -94,16 +95,9 @@ class WorkSplit:
         self.work += 0.5 * np.array([closing, step, normals, weights])
 
     def _joins_closest_points(self) -> bool:
-        from contactlab.contact.consistent_system import ConstantColumns
-
         rows = self.contact.factored
         joins = (isinstance(reduced, ConstantColumns) and reduced.factors is rows for reduced in self.contact.reduced)
         return rows is not None and rows.count > 0 and any(joins)
-
-    def _remembered(self, pair: ContactPair, nothing: Floats) -> Floats:
-        """Return the memory of the pair's algorithm now; `nothing` without a memory."""
-        name = f"memory.{pair.name}"
-        return self.state[name] if name in self.state else nothing
 
     def _normal_force(self) -> Floats:
         """Return nodal forces (N, 2) [N] of the normal multipliers."""

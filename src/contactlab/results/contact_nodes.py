@@ -71,7 +71,7 @@ def friction_bound(pair: ContactPair, seen: ContactSnapshot) -> Floats:
     if pair.friction is None:
         return np.zeros_like(normal_force)
     assert pair.sliding is not None
-    return FrictionBound(*pair.sliding.of(slice(None))).limits(normal_force, seen.rubbed)[0]
+    return FrictionBound(*pair.sliding.of(slice(None))).limits(normal_force, seen.grip)[0]
 
 
 def states_of(pair: ContactPair, seen: ContactSnapshot, bound: Floats) -> Ints:
