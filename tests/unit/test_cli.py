@@ -6,14 +6,14 @@ import csv
 import json
 import subprocess
 import sys
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 import contactlab
-from contactlab.cli import main
-from contactlab.commands.program import _worded
+from contactlab.cli import _worded, main
 from contactlab.errors import ContactlabWarning
 from contactlab.parts.machine import blas_kernels
 from contactlab.parts.registry import Registry
@@ -208,10 +208,11 @@ def test_names_of_the_package_are_lazy_and_complete() -> None:
 
 
 def test_warnings_of_the_program_name_no_line_of_its_code() -> None:
-    assert _worded(ContactlabWarning("the disk is full"), ContactlabWarning, "run.py", 7) == (
+    worded = _worded(warnings.formatwarning)
+    assert worded(ContactlabWarning("the disk is full"), ContactlabWarning, "run.py", 7) == (
         "contactlab: warning: the disk is full\n"
     )
-    assert "part.py:7" in _worded(RuntimeWarning("overflow"), RuntimeWarning, "part.py", 7)
+    assert "part.py:7" in worded(RuntimeWarning("overflow"), RuntimeWarning, "part.py", 7)
 
 
 @pytest.mark.parametrize("call", ["main()", "main(['--version'])"])

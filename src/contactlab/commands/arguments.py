@@ -1,6 +1,7 @@
 """Commands of the core and what can be typed after each.
 
-The functions behind them are named here and imported when they are called, so that a command loads what it needs alone.
+`contactlab new-scene` calls `contactlab.commands.new_scene.new_scene`, and so on; it is imported when it is called, so
+that a command loads what it needs alone.
 """
 
 from __future__ import annotations
@@ -62,10 +63,9 @@ Describe = Callable[[Any], object]
 
 
 class Command(NamedTuple):
-    """Help text of a command, its function below `contactlab.commands`, and its words and options."""
+    """Help text of a command, and its words and options."""
 
     text: str
-    function: str
     words: Sequence[Describe]
 
 
@@ -93,9 +93,9 @@ def make_parser() -> CommandLine:
     )
     parser.add_argument("--version", action="version", version=f"contactlab {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True, parser_class=CommandLine)
-    for name, (text, function, words) in COMMANDS.items():
+    for name, (text, words) in COMMANDS.items():
         command = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".", allow_abbrev=False)
-        command.set_defaults(handler=f"contactlab.commands.{function}")
+        command.set_defaults(command=name)
         for describe in words:
             describe(command)
     return parser
@@ -150,11 +150,11 @@ MANY = (
 
 EVERYDAY = {
     "run": Command(
-        "run one scene", "run:run", (*SCENE, OUT, _flag("--resume", text="resume the interrupted run in DIR"), JSON,
-                                     _amount),
+        "run one scene",
+        (*SCENE, OUT, _flag("--resume", text="resume the interrupted run in DIR"), JSON, _amount),
     ),
     "compare": Command(
-        "run every combination of values: accuracy against cost", "compare:compare", (
+        "run every combination of values: accuracy against cost", (
             _word("scene", metavar="SCENE-or-STUDY", help="bundled name, or TOML file of a scene or study"),
             _list("--vary", metavar="KEY=[V1, V2]", help="values to combine; replaces a study's own"),
             _flag("--effects", text="leave out each effect in turn: its cost and its influence"),
@@ -173,7 +173,7 @@ EVERYDAY = {
         ),
     ),
     "plot": Command(
-        "draw force curves, pressures, stresses or an animation", "plot:plot", (
+        "draw force curves, pressures, stresses or an animation", (
             _word("path", metavar="DIR", help="folder of a run or a comparison"),
             _word(
                 "what", choices=("force", "pressure", "stress", "animation"),
@@ -192,7 +192,7 @@ EVERYDAY = {
         ),
     ),
     "view": Command(
-        "open the timeline in the viewer, or save a picture", "view:view", (
+        "open the timeline in the viewer, or save a picture", (
             _word("path", metavar="DIR-or-RRD", help="folder of a run or a comparison, or a recording"),
             _word("--png", metavar="FILE", help="write a picture; needs no display"),
             _word("--panel", default="", metavar="NAME", help="show one panel only: part of its name"),
@@ -205,13 +205,13 @@ EVERYDAY = {
         ),
     ),
     "scenes": Command(
-        "list the bundled scenes, or print one", "scenes:scenes", (
+        "list the bundled scenes, or print one", (
             _word("scene", nargs="?", metavar="NAME", help="print this one (default: list all)"),
             _flag("--schema", text="print the JSON schema of scenes, for editors"), JSON, FILES,
         ),
     ),
     "new-scene": Command(
-        "write a scene of your own, starting from another", "scenes:new_scene", (
+        "write a scene of your own, starting from another", (
             _word("name", metavar="NAME", help="name of the new scene; NAME.toml is written"),
             _word(
                 "--from", required=True, dest="source", metavar="SCENE",
@@ -221,7 +221,7 @@ EVERYDAY = {
         ),
     ),
     "runs": Command(
-        "list result folders, or remove some", "runs:runs", (
+        "list result folders, or remove some", (
             _word("folders", nargs="*", metavar="DIR", help="folders to look through (default: runs)"),
             _word(
                 "--remove", nargs="+", metavar="NAME", default=[],
@@ -231,13 +231,13 @@ EVERYDAY = {
         ),
     ),
     "cite": Command(
-        "print what to cite for a run", "cite:cite",
+        "print what to cite for a run",
         (_word("path", metavar="RUN", help="folder of a run or a comparison"), FILES, JSON),
     ),
 }  # fmt: skip
 AUTHORS = {
     "new-plugin": Command(
-        "write a package with a working part, its tests and its metadata", "new_plugin:new_plugin", (
+        "write a package with a working part, its tests and its metadata", (
             _word(
                 "kind", metavar="KIND", help="kind of part: contact, material, integrator ... (contactlab parts)"
             ),
@@ -251,7 +251,7 @@ AUTHORS = {
         ),
     ),
     "check": Command(
-        "validate a plugin: unit tests, benchmarks, timing", "check:check", (
+        "validate a plugin: unit tests, benchmarks, timing", (
             _word(
                 "target", metavar="NAME-or-FILE", help="name of a part, Python file, folder, or installed distribution"
             ),
@@ -267,13 +267,13 @@ AUTHORS = {
         ),
     ),
     "parts": Command(
-        "list the parts of all plugins and broken ones, or describe one", "parts:parts",
+        "list the parts of all plugins and broken ones, or describe one",
         (_word("name", nargs="?", metavar="NAME", help="describe this part (default: list all)"), JSON, FILES),
     ),
 }  # fmt: skip
 LABORATORY = {
     "matrix": Command(
-        "judge contact algorithms on benchmark cases with known solutions", "matrix:matrix", (
+        "judge contact algorithms on benchmark cases with known solutions", (
             _word("cases", nargs="*", metavar="CASE", help="names of cases (default: all; contactlab parts)"),
             _list(
                 "--contact", dest="contacts", metavar="NAME",
@@ -290,7 +290,7 @@ LABORATORY = {
         ),
     ),
     "choose": Command(
-        "find the cheapest configuration that meets an error", "choose:choose_for", (
+        "find the cheapest configuration that meets an error", (
             *SCENE,
             _word("--error", type=share, default=0.01, metavar="E", help="target error (default: 1%%)"),
             _word("--budget", type=seconds, default=60.0, metavar="S", help="CPU time of a run (default: 60s)"),
@@ -299,10 +299,10 @@ LABORATORY = {
         ),
     ),
     "error-budget": Command(
-        "split the error of a run: mesh, step, ramp, damping, tolerance", "error_budget:budget", (*SCENE, *MANY, JSON)
+        "split the error of a run: mesh, step, ramp, damping, tolerance", (*SCENE, *MANY, JSON)
     ),
     "explain": Command(
-        "print what a scene uses and its cost estimate", "explain:explain", (
+        "print what a scene uses and its cost estimate", (
             *SCENE,
             _word(
                 "--all", action="store_true", dest="everything",
@@ -312,7 +312,7 @@ LABORATORY = {
         ),
     ),
     "archive": Command(
-        "list, merge or export archived runs", "archive:archive", (
+        "list, merge or export archived runs", (
             _word("action", choices=("list", "merge", "export"), help="merge A B copies all of B into A"),
             _word("paths", nargs="*", metavar="ARCHIVE", help="archive.sqlite or its folder (default: here)"),
         ),
@@ -320,9 +320,9 @@ LABORATORY = {
 }  # fmt: skip
 SHELLS = ("bash", "zsh", "fish", "powershell")
 INSTALLATION = {
-    "doctor": Command("check the installation by a contact step", "doctor:doctor", (JSON,)),
+    "doctor": Command("check the installation by a contact step", (JSON,)),
     "completion": Command(
-        "print the shell code that completes commands and keys", "completion:completion",
+        "print the shell code that completes commands and keys",
         (_word("shell", choices=SHELLS, help="the shell you type in"),),
     ),
 }  # fmt: skip

@@ -15,7 +15,7 @@ from contactlab.scene.scene import load_scene
 CANNOT = 1
 
 
-def choose_for(options: argparse.Namespace) -> int:
+def choose(options: argparse.Namespace) -> int:
     """Search, say what was found and what it will cost, and run it if asked; 1 if nothing keeps the error.
 
     After Ctrl-C the answer is what is known by then.

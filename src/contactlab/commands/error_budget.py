@@ -21,7 +21,7 @@ FILE = "error-budget.json"
 FAILED = 1
 
 
-def budget(options: argparse.Namespace) -> int:
+def error_budget(options: argparse.Namespace) -> int:
     """Run the scene as it is and with each choice of numerics made finer; 1 if it does not finish as it is."""
     registry = registry_with(options.files)
     scene = load_scene(options.scene, registry, parse_settings(options.settings))
