@@ -1,42 +1,26 @@
-"""Frictionless multipliers by active sets and conjugate gradients, in O(conditions) per pass.
+"""Frictionless multipliers by active sets and conjugate gradients, for rows along normals (`FactoredRows`).
 
-Closed conditions take the forces that make their gaps zero, A y = -g with A = R C R^T; a condition changes
-sides where y - g/a changes sign (primal-dual active set: Hintermueller, Ito & Kunisch 2003). From one step to
-the next hardly any does, and A is as well conditioned as the compliances are alike, so that a dozen products
-with A do (`factored_product`).
+As `gradient_set`, with products by the band of A if rows share nodes with their neighbours alone (`factored_product`).
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
-from contactlab.api.arrays import Flags, Floats
 from contactlab.api.compiled.kernel import kernel, section
 from contactlab_dynamics.factored_product import Compliances, Scratch, Touched, band_of, product, spread
+from contactlab_dynamics.gradient_set import (
+    SETS,
+    Search,
+    begin_descent,
+    choose,
+    descend,
+    drop_round_off,
+    worst_residual,
+)
 from contactlab_dynamics.touched import number_nodes
 
-SETS = 12  # active sets tried before the sweeps take over; two or three are usual
 BEYOND = 1e-2  # of the tolerance: how far a pass more or less may leave the gaps, so that forces are as good
-
-
-class Search(NamedTuple):
-    """Direction of conjugate gradients and what goes with it, (k,) each.
-
-    active     conditions that are closed
-    direction  forces whose effect on the gaps is computed next, `change` their effect
-    residual   gaps of the active conditions, with the other sign
-    easy       [N/mm] one over the compliance of each row, roughly
-    small      [1/mm] one over the length of the segments
-    """
-
-    active: Flags
-    direction: Floats
-    change: Floats
-    residual: Floats
-    easy: Floats
-    small: Floats
 
 
 @section
@@ -50,15 +34,6 @@ def _scales(rows, touched, soft, stiff, scale):
             total += w * (nx * soft[touched.local[z], 0] + ny * soft[touched.local[z], 1])
             sum_ += w
         scale[i] = (total / sum_ if sum_ > 0.0 else 0.0) + stiff[i]
-
-
-@section
-def worst_residual(gaps, y, scale, size):
-    """Largest natural residual min(g, a y) in segment lengths."""
-    worst = 0.0
-    for i in range(y.size):
-        worst = max(worst, abs(min(gaps[i], scale[i] * y[i])) / size[i])
-    return worst
 
 
 @section
@@ -167,63 +142,3 @@ def _sets(rows, touched, compliances, y, scratch, tolerance, limit):
             break
     drop_round_off(y, scale, size, tolerance)
     return passes, worst_residual(gaps, y, scale, size)
-
-
-@section
-def choose(y, gaps, scale, search):
-    """The active set of these forces and gaps; whether conditions leave it, whose forces are `direction` then."""
-    dropped = False
-    for i in range(y.size):
-        search.active[i] = scale[i] * y[i] > gaps[i]
-        search.direction[i] = 0.0
-        if not search.active[i] and y[i] != 0.0:
-            search.direction[i], dropped = -y[i], True
-            y[i] = 0.0
-    return dropped
-
-
-@section
-def begin_descent(gaps, search):
-    """The first direction of the conjugate gradients on a set; returns the scaled square of the residual.
-
-    `gaps` may have room for more conditions than the (k,) arrays of `search`.
-    """
-    square = 0.0
-    for i in range(search.residual.size):
-        search.residual[i] = -gaps[i] if search.active[i] else 0.0
-        search.direction[i] = search.residual[i] * search.easy[i]
-        square += search.residual[i] * search.direction[i]
-    return square
-
-
-@section
-def drop_round_off(y, scale, size, tolerance):
-    """A force that a condition about to open keeps by round-off alone is not tension: it is set to zero."""
-    for i in range(y.size):
-        if y[i] < 0.0 and -scale[i] * y[i] <= tolerance * size[i]:
-            y[i] = 0.0
-
-
-@section
-def descend(y, gaps, search, before, goal):
-    """Make a step of the conjugate gradients; returns the scaled square of the residual and whether to go on."""
-    direction, change, residual = search.direction, search.change, search.residual
-    curvature = 0.0
-    for i in range(y.size):
-        curvature += direction[i] * change[i]
-    if not curvature > 0.0:
-        return before, False
-    length, after, largest = before / curvature, 0.0, 0.0
-    for i in range(y.size):
-        y[i] += length * direction[i]
-        gaps[i] += length * change[i]
-        residual[i] = -gaps[i] if search.active[i] else 0.0
-    for i in range(y.size):
-        after += residual[i] * (residual[i] * search.easy[i])
-        largest = max(largest, abs(residual[i]) * search.small[i])
-    if not largest > 0.5 * goal:
-        return before, False
-    share = after / before
-    for i in range(y.size):
-        direction[i] = residual[i] * search.easy[i] + share * direction[i]
-    return after, True

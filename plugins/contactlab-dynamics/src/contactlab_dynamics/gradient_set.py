@@ -1,17 +1,41 @@
-"""Frictionless multipliers by active sets and conjugate gradients, for rows that are the derivatives of their gaps.
+"""Frictionless multipliers by active sets and conjugate gradients, in O(conditions) per pass.
 
-As `active_set`, with products that go through the nodes: G C G^T y.
+Closed conditions take the forces that make their gaps zero, A y = -g with A = G C G^T; a condition changes
+sides where y - g/a changes sign (primal-dual active set: Hintermueller, Ito & Kunisch 2003). From one step to
+the next hardly any does, and A is as well conditioned as the compliances are alike, so that a dozen products
+with A do. Here rows are the derivatives of their gaps (`FactoredGradients`), and products go through the nodes.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
+from contactlab.api.arrays import Flags, Floats
 from contactlab.api.compiled.gradient_products import conditions_moved, nodes_pushed
 from contactlab.api.compiled.kernel import kernel, section
-from contactlab_dynamics.active_set import SETS, Search, begin_descent, choose, descend, drop_round_off, worst_residual
 
+SETS = 12  # active sets tried before the sweeps take over; two or three are usual
 BEYOND = 0.3  # of the tolerance: forces need not be better than the work that is left, 1e-10 segments of way
+
+
+class Search(NamedTuple):
+    """Direction of conjugate gradients and what goes with it, (k,) each.
+
+    active     conditions that are closed
+    direction  forces whose effect on the gaps is computed next, `change` their effect
+    residual   gaps of the active conditions, with the other sign
+    easy       [N/mm] one over the compliance of each row, roughly
+    small      [1/mm] one over the length of the segments
+    """
+
+    active: Flags
+    direction: Floats
+    change: Floats
+    residual: Floats
+    easy: Floats
+    small: Floats
 
 
 @section
@@ -112,3 +136,72 @@ def _sets(rows, soft, y, scale, scratch, tolerance, limit):
             break
     drop_round_off(y, scale, size, tolerance)
     return passes, worst_residual(gaps, y, scale, size)
+
+
+@section
+def worst_residual(gaps, y, scale, size):
+    """Largest natural residual min(g, a y) in segment lengths."""
+    worst = 0.0
+    for i in range(y.size):
+        worst = max(worst, abs(min(gaps[i], scale[i] * y[i])) / size[i])
+    return worst
+
+
+@section
+def choose(y, gaps, scale, search):
+    """The active set of these forces and gaps; whether conditions leave it, whose forces are `direction` then."""
+    dropped = False
+    for i in range(y.size):
+        search.active[i] = scale[i] * y[i] > gaps[i]
+        search.direction[i] = 0.0
+        if not search.active[i] and y[i] != 0.0:
+            search.direction[i], dropped = -y[i], True
+            y[i] = 0.0
+    return dropped
+
+
+@section
+def begin_descent(gaps, search):
+    """The first direction of the conjugate gradients on a set; returns the scaled square of the residual.
+
+    `gaps` may have room for more conditions than the (k,) arrays of `search`.
+    """
+    square = 0.0
+    for i in range(search.residual.size):
+        search.residual[i] = -gaps[i] if search.active[i] else 0.0
+        search.direction[i] = search.residual[i] * search.easy[i]
+        square += search.residual[i] * search.direction[i]
+    return square
+
+
+@section
+def drop_round_off(y, scale, size, tolerance):
+    """A force that a condition about to open keeps by round-off alone is not tension: it is set to zero."""
+    for i in range(y.size):
+        if y[i] < 0.0 and -scale[i] * y[i] <= tolerance * size[i]:
+            y[i] = 0.0
+
+
+@section
+def descend(y, gaps, search, before, goal):
+    """Make a step of the conjugate gradients; returns the scaled square of the residual and whether to go on."""
+    direction, change, residual = search.direction, search.change, search.residual
+    curvature = 0.0
+    for i in range(y.size):
+        curvature += direction[i] * change[i]
+    if not curvature > 0.0:
+        return before, False
+    length, after, largest = before / curvature, 0.0, 0.0
+    for i in range(y.size):
+        y[i] += length * direction[i]
+        gaps[i] += length * change[i]
+        residual[i] = -gaps[i] if search.active[i] else 0.0
+    for i in range(y.size):
+        after += residual[i] * (residual[i] * search.easy[i])
+        largest = max(largest, abs(residual[i]) * search.small[i])
+    if not largest > 0.5 * goal:
+        return before, False
+    share = after / before
+    for i in range(y.size):
+        direction[i] = residual[i] * search.easy[i] + share * direction[i]
+    return after, True
