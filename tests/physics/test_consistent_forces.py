@@ -11,8 +11,7 @@ from contactlab_segments.node_on_segment import NodeOnSegment
 from tiers import some
 
 import contactlab
-from contactlab.api import ContactAlgorithm, Floats
-from contactlab.contact.explicit_system import allocate_rows
+from contactlab.api import ContactAlgorithm, Floats, Rows
 from contactlab.contact.gradients import PairGradients
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.model.build import build
@@ -47,7 +46,7 @@ EVERY = [
 
 def derivatives(pair: OperatorPair, memory: Floats, nodes: int) -> tuple[Floats, Floats]:
     """Rows (k, 2 N) of gaps and of slips."""
-    rows = allocate_rows(pair.slots, 4 * nodes, friction=True)
+    rows = Rows.allocate(pair.slots, 4 * nodes, friction=True)
     assert PairGradients(pair).append_rows(rows, 0, np.inf, np.zeros((2, pair.slots)), memory) > 0
     row = np.repeat(np.arange(rows.count), np.diff(rows.start[: rows.count + 1]))
     found = []

@@ -15,7 +15,7 @@ from contactlab_statics.active_set import ActiveSet
 from scipy.sparse import csc_array, csr_array
 
 from contactlab.api import Conditions, ContactDerivatives, Floats, Ints
-from contactlab.implicit import line_search
+from contactlab.implicit import trial
 from contactlab.implicit.iteration import NewtonIteration, Outcome
 
 TOLERANCE = 1e-8
@@ -113,7 +113,7 @@ def three_in_a_ring(share: float) -> Columns:
 @pytest.mark.parametrize("share", [1.1, 1.3, 1.6])
 def test_full_corrections_never_end(share: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """Otherwise the next test would prove nothing: three patterns, again and again."""
-    monkeypatch.setattr(line_search, "CAREFUL", (1.0,))
+    monkeypatch.setattr(trial, "CAREFUL", (1.0,))
     columns = three_in_a_ring(share)
     assert "100 iterations left" in solved(columns, 100).reason
     assert len(set(columns.patterns[3:])) == 3

@@ -8,8 +8,7 @@ from scipy.sparse import csc_array, diags_array, eye_array, kron, random_array
 
 import contactlab
 from contactlab.implicit import reuse
-from contactlab.implicit.factor import Factor
-from contactlab.implicit.reuse import ReusedFactor, preconditioned
+from contactlab.implicit.factor import Factor, ReusedFactor, preconditioned
 from contactlab.run.simulation import simulate
 
 

@@ -74,7 +74,7 @@ def test_a_run_without_files_does_no_work_for_them(tmp_path: Path) -> None:
     # the end of a run is told by some of these, with as many calls as its intervals of contact have numbers
     more = {name: long.get(name, 0) - short.get(name, 0) for name in short | long}
     assert max(map(abs, more.values())) < MORE / 2
-    steps = "contactlab.model.bound_integrator"
+    steps = "contactlab.model.model"
     assert found["long"][steps] - found["short"][steps] >= MORE  # the steps themselves are counted
     assert all(found["bits"].values())
     # rows that frames with files look at may come on top

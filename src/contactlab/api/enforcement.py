@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -43,6 +43,17 @@ class Rows(KernelArgument):
     offset: Floats1
     bound: Floats2
     work: Floats2
+
+    @classmethod
+    def allocate(cls, rows: int, entries_per_row: int, friction: bool) -> Rows:
+        """Allocate zeroed arrays for so many rows; nothing tangential exists without friction."""
+        entries, slip = rows * entries_per_row, rows if friction else 0
+        gap, measure, size, offset = (np.zeros(rows) for _ in range(4))
+        return cls(
+            0, np.zeros(rows + 1, np.int32), np.zeros(entries, np.int32), np.zeros((entries, 2)),
+            np.zeros((entries if friction else 0, 2)), gap, np.zeros(slip), measure, size, np.zeros(rows, np.int32),
+            offset, np.zeros((3, slip)), np.zeros((4, rows)),
+        )  # fmt: skip
 
 
 @dataclass
@@ -95,7 +106,7 @@ class FactoredGradients(KernelArgument):
     The row of constraint i is normal . (own + [T^-T B])_i + spin d(angle); products with it are in
     `contactlab.api.compiled.gradient_products`. Local node numbers are indices into `nodes`.
 
-    factors      the `FactoredRows` it contains; `node` and `own` are local, `weight` is unused, `gap` is the
+    factors      the `FactoredRows` it contains; `node` and `own` are local, `weight` is empty, `gap` is the
                  predicted motion less the allowed motion, and `left`, written by the enforcement, is `gap` after the
                  solve plus `offset`
     block        (z, 2, 2) [mm] row i of B: derivative of component c of the weighted separation by coordinate d
@@ -126,8 +137,9 @@ class FactoredGradients(KernelArgument):
         """Allocate zeroed arrays for so many constraints, entries of both kinds, and nodes."""
         node, angle, own_angle, near = (np.zeros(n, np.int32) for n in (nodes, entries, rows, rows + 1))
         spin, offset = np.zeros(rows), np.zeros(rows)
+        factors = replace(FactoredRows.allocate(rows, entries), weight=np.zeros(0))
         return cls(
-            FactoredRows.allocate(rows, entries), np.zeros((entries, 2, 2)), node, near, angle, np.zeros((entries, 2)),
+            factors, np.zeros((entries, 2, 2)), node, near, angle, np.zeros((entries, 2)),
             np.zeros((nodes, 2), np.int32), np.zeros((nodes, 2)), own_angle, spin, offset, np.zeros(2, np.int32),
         )  # fmt: skip
 

@@ -22,6 +22,8 @@ from contactlab.api.motion import ImplicitMotion, Motion
 from contactlab.api.state import State
 from contactlab.api.step import Iteration, Step, StepControl, StepStatus  # noqa: F401
 
+LEAPFROG = 0.5  # velocity lag of schemes that move by dt times their velocity
+
 
 class Integrator(ABC):
     """Common base of explicit and implicit integrators. Plugins derive from one of the two classes below.
@@ -94,7 +96,7 @@ class ExplicitIntegrator(Integrator):
 
     needs: ClassVar[type[Enforcement]] = ExplicitEnforcement
     inertia: ClassVar[bool] = True
-    velocity_lag: ClassVar[float] = 0.5
+    velocity_lag: ClassVar[float] = LEAPFROG
 
     def step(self, motion: Motion, dt: float) -> float | None:
         """Make one step of length dt [s] by the primitives of `motion`; returns `Step.error`, or None."""
@@ -106,7 +108,8 @@ class ExplicitIntegrator(Integrator):
         Called once per run; all arrays of `state` stay in place for the whole run.
         The state is as built (t = 0, initial velocities) or restored from a snapshot.
         """
-        advance: Callable[[float], Step] = late("contactlab.model.motion").bound(self, equations, state)
+        motion = late("contactlab.model.motion").ExplicitMotion(self, equations, state)
+        advance: Callable[[float], Step] = motion.advance
         return advance
 
 
@@ -155,5 +158,6 @@ class ImplicitIntegrator(Integrator):
         Called once per run; all arrays of `state` stay in place for the whole run.
         The state is as built (t = 0, initial velocities) or restored from a snapshot.
         """
-        advance: Callable[[float], Step] = late("contactlab.implicit.motion").bound(self, equations, state)
+        motion = late("contactlab.implicit.motion").SolvedMotion(self, equations, state)
+        advance: Callable[[float], Step] = motion.advance
         return advance

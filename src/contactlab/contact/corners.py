@@ -17,8 +17,8 @@ from contactlab.api.surface import SurfacePositions
 from contactlab.kernels.contact.corners import take_row, touches
 
 if TYPE_CHECKING:
-    from contactlab.contact.near_list import Near
     from contactlab.contact.operator_pair import OperatorPair
+    from contactlab.kernels.contact.search import Near
 
 SHARP = 0.5  # sine by which the master turns outward at a corner
 CLOSE = 3.0  # segments: corners farther from all nodes of the slave touch it in no step of a near list

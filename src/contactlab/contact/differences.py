@@ -4,27 +4,25 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api import ContactView, Floats, Ints, Pieces, Surface
+from contactlab.api import ContactView, Floats, Ints, Pieces
 from contactlab.api.arrays import Flags
 from contactlab.api.derivatives import PieceDerivatives
 from contactlab.api.surface import SurfacePositions
 from contactlab.contact.operator_pair import OperatorPair
-from contactlab.kernels.contact import derivatives as kernels
+from contactlab.kernels.contact import differences as kernels
+from contactlab.kernels.contact.coupling import links
 
 STEP = 1e-5  # segment lengths; central differences of smooth pieces then err by about 1e-10
-OWN_ENTRIES = 16  # room for derivatives that an algorithm gives, for each node and multiplier of a piece
-OWN_NORMALS = 32  # room for derivatives of normals that depend on a piece, for each piece
 RING = 2  # further nodes on both sides of a piece that it may depend on by averaged normals
 
 
-class DerivativesOfPieces:
-    """Derivatives of pieces from the algorithm, or by moving the nodes of one colour at a time."""
+class Differences:
+    """Derivatives of a pair's pieces, by moving the nodes of one colour at a time."""
 
     def __init__(self, pair: OperatorPair) -> None:
         self.pair = pair
-        self.links = _links(pair.slave), _links(pair.master)
+        self.links = links(pair.slave), links(pair.master)
         self.high, self.low = self._spare(), self._spare()
-        self.out = PieceDerivatives.allocate(256, pair.widths, 256)
         self.follows_master: bool | None = None
         self.shown: tuple[ContactView, ...] = ()
 
@@ -32,18 +30,7 @@ class DerivativesOfPieces:
         return Pieces.allocate(len(self.pair.pieces.slave), self.pair.widths, self.pair.slots)
 
     def of(self, memory: Floats) -> PieceDerivatives:
-        """Return derivatives of the pair's pieces at its present positions; the same object every call."""
-        pair = self.pair
-        self._make_room(OWN_ENTRIES * pair.count * sum(pair.widths), 20 * pair.slots + OWN_NORMALS * pair.count)
-        if pair.algorithm.derivatives(pair.seen(memory), pair.pieces, pair.count, self.out):
-            return self.out
-        return self._differences(memory)
-
-    def _make_room(self, entries: int, normals: int) -> None:
-        if entries > len(self.out.moved) or normals > len(self.out.normal_moved):
-            self.out = PieceDerivatives.allocate(entries + entries // 4, self.pair.widths, normals)
-
-    def _differences(self, memory: Floats) -> PieceDerivatives:
+        """Return derivatives at the pair's present positions."""
         pair = self.pair
         if len(self.high.slave) < len(pair.pieces.slave):
             self.high, self.low = self._spare(), self._spare()
@@ -52,11 +39,11 @@ class DerivativesOfPieces:
         # upper limit of coordinates per piece; unmatched pieces stand twice
         width = 2 * sum(_period(nodes[: pair.count]) for nodes in (pair.pieces.slave, pair.pieces.master))
         entries, normals = 2 * (pair.count + 8) * width, 2 * pair.slots * sum(_period(o) for o in owners)
-        self._make_room(entries, normals)
-        self.out.count = self.out.normal_count = 0
+        out = pair.room_for_derivatives(entries, normals)
+        out.count = out.normal_count = 0
         for side in range(2):
-            self._side(side, owners[side], memory)
-        return self.out
+            self._side(side, owners[side], memory, out)
+        return out
 
     def _owners(self, memory: Floats) -> tuple[Ints, Ints]:
         """Return surface nodes on both sides that the normal of each multiplier may depend on."""
@@ -82,8 +69,8 @@ class DerivativesOfPieces:
         self._evaluate(1, memory)
         return not np.array_equal(self.high.normal, self.low.normal)
 
-    def _side(self, side: int, owners: Ints, memory: Floats) -> None:
-        pair, out = self.pair, self.out
+    def _side(self, side: int, owners: Ints, memory: Floats, out: PieceDerivatives) -> None:
+        pair = self.pair
         nodes = (pair.pieces.slave, pair.pieces.master)[side]
         colours = _colours(
             len((pair.slave, pair.master)[side].nodes), max(_period(nodes[: pair.count]), _period(owners))
@@ -130,13 +117,6 @@ class DerivativesOfPieces:
 
 def _arrays(pieces: Pieces) -> tuple[Ints, Ints, Ints, Floats, Floats, Floats]:
     return pieces.slave, pieces.multiplier, pieces.master, pieces.D, pieces.M, pieces.T
-
-
-def _links(surface: Surface) -> tuple[Ints, Ints]:
-    """Return the next and previous node of every node of a surface, -1 at ends."""
-    into, out = surface.node_segments[:, 0], surface.node_segments[:, 1]
-    following = np.where(out >= 0, surface.segments[out, 1], -1).astype(np.int32)
-    return following, np.where(into >= 0, surface.segments[into, 0], -1).astype(np.int32)
 
 
 def _period(nodes: Ints) -> int:

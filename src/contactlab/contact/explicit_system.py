@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Sequence
+from functools import partial
 from time import perf_counter
 from typing import TYPE_CHECKING, ClassVar, Protocol, cast
 
 import numpy as np
 
-from contactlab.api import ExplicitEnforcement, FactoredRows, Floats, Rows, Solve, State, Step
+from contactlab.api import ExplicitEnforcement, FactoredRows, Floats, Rows, Solve, State
 from contactlab.contact.pair import ContactPair, shown
 from contactlab.contact.sliding import FOLLOWED, varying
 from contactlab.errors import WrongAnswer
@@ -45,7 +46,7 @@ class ContactSystem:
         self.friction = any(pair.friction is not None for pair in pairs)
         self.memories = [pair.memory_in(state) for pair in pairs]
         self.margin = MARGIN * min(pair.size for pair in pairs)
-        self.rows = allocate_rows(sum(pair.slots for pair in pairs), 64, self.friction)
+        self.rows = Rows.allocate(sum(pair.slots for pair in pairs), 64, self.friction)
         self.factored: FactoredRows | None = None
         points = [cast("CornerPair", pair) for pair in pairs if pair.at_corners]
         self.cornered = [(pair.corners, pair) for pair in points]
@@ -110,21 +111,20 @@ class ContactSystem:
             slip, _ = slips(self.rows, self.multipliers.shape[1], compliance, force)
             for pair, sliding in self.varying:
                 sliding.accept(pair, slip[pair.own], self.multipliers[0, pair.own])
-        address = self.rows.packed.address
         work, dissipation = tangential_work(
-            self.rows.count, address, self.multipliers, mean_velocity, dt, compliance, force
+            self.rows.count, self.rows, self.multipliers, mean_velocity, dt, compliance, force
         )
         return work, dissipation
 
-    def following(self, advance: Callable[[float], Step]) -> Callable[[float], Step]:
-        """Return the function that makes steps, which first passes each step to bounds that vary."""
+    @property
+    def begin(self) -> tuple[Callable[[float, float], None], ...]:
+        """Functions called with the end and the length [s] of each step before it: bounds that vary."""
+        return tuple(partial(sliding.begin_step, pair) for pair, sliding in self.varying)
 
-        def step(dt: float) -> Step:
-            for pair, sliding in self.varying:
-                sliding.begin_step(pair, self.state.time + dt, dt)
-            return advance(dt)
-
-        return step if self.varying else advance
+    @property
+    def follow(self) -> tuple[Callable[[float, float], None], ...]:
+        """Functions called with the end and the length [s] of each step after it."""
+        return ()
 
     def _enforce(self, compliance: Floats, force: Floats) -> Solve:
         """Solve for the forces of the rows."""
@@ -200,7 +200,7 @@ class ContactSystem:
                 return
             rows, nodes = self.rows, sum(len(pair.slave.nodes) + len(pair.master.nodes) for pair in self.passes)
             entries = int(GROW * len(rows.node)) + nodes
-            self.rows = allocate_rows(len(rows.gap), entries // max(1, len(rows.gap)) + 1, self.friction)
+            self.rows = Rows.allocate(len(rows.gap), entries // max(1, len(rows.gap)) + 1, self.friction)
 
     def _append(self, number: int, entries: int, margin: float, current: Floats, predicted: Floats) -> int:
         """Append the rows of a pair. Return the next free entry, or -1 if there is no room."""
@@ -255,23 +255,3 @@ def slips(rows: Rows, slots: int, compliance: Floats, force: Floats) -> tuple[Fl
     moved = weight * compliance[node]
     slip = np.bincount(slot, rows.slip[:k], slots) + np.bincount(of, (moved * force[node]).sum(axis=1), slots)
     return np.asarray(slip, np.float64), np.bincount(of, (moved * weight).sum(axis=1), slots).astype(np.float64)
-
-
-def allocate_rows(rows: int, entries_per_row: int, friction: bool) -> Rows:
-    """Room for `rows` rows; nothing tangential exists without friction."""
-    entries, slip = rows * entries_per_row, rows if friction else 0
-    return Rows(
-        0,
-        np.zeros(rows + 1, np.int32),
-        np.zeros(entries, np.int32),
-        np.zeros((entries, 2)),
-        np.zeros((entries if friction else 0, 2)),
-        np.zeros(rows),
-        np.zeros(slip),
-        np.zeros(rows),
-        np.zeros(rows),
-        np.zeros(rows, np.int32),
-        np.zeros(rows),
-        np.zeros((3, slip)),
-        np.zeros((4, rows)),
-    )

@@ -184,3 +184,8 @@ class CornerLinearisation(GapLinearisation):
         entry = np.repeat(np.arange(len(found.node), dtype=np.int32), 6)
         moved = np.add.outer(2 * found.node.reshape(-1, 3), np.arange(2, dtype=np.int32)).reshape(-1, 6)
         return ConditionDerivatives(entry, np.repeat(moved, 3, axis=0).ravel(), value.reshape(-1, 2))
+
+
+def linearised_gaps(pair: Any, nodes: int) -> GapLinearisation:
+    """Return the linearisation of a pair of finished constraints, in a model of `nodes` nodes."""
+    return (CornerLinearisation if isinstance(pair, CornerPair) else GapLinearisation)(pair, nodes)

@@ -169,7 +169,7 @@ class HalfPassContactSystem(PressureContactSystem):
         """Return tangential forces (count,) [N] of springs after the slip of the step; 0 in rows of other passes."""
         rows, count = self.rows, self.rows.count
         slot = rows.slot[:count]
-        start_slips(count, rows.packed.address, current - self.state.last_dt * self.velocity, current)
+        start_slips(count, rows, current - self.state.last_dt * self.velocity, current)
         stiffness = rows.measure[:count] * shear_stiffness(self.law, self.stiffness[slot], rows.size[:count])
         limit, _ = FrictionBound(*rows.bound[:, :count]).limits(self.multipliers[0, slot], rows.measure[:count])
         wish = self.rubbed[slot] - stiffness * rows.slip[:count]
@@ -181,8 +181,7 @@ class HalfPassContactSystem(PressureContactSystem):
         if not self.friction:
             return 0.0, 0.0
         self.rows.count = self.made
-        address = self.rows.packed.address
-        work, _ = tangential_work(self.made, address, self.multipliers, mean_velocity, dt, compliance, force)
+        work, _ = tangential_work(self.made, self.rows, self.multipliers, mean_velocity, dt, compliance, force)
         slip, _ = slips(self.rows, len(self.share), compliance, force)
         self._show()
         return work, -float((self.share * self.multipliers[1]) @ slip)

@@ -3,42 +3,39 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from scipy.sparse import csr_array, vstack
 
-from contactlab.api import Conditions, ContactDerivatives, Floats, FrictionBound, ImplicitEnforcement, Ints, State
-from contactlab.api.arrays import Flags
-from contactlab.contact.contact_pairs import linearised
-from contactlab.contact.coupling import Coupling
+from contactlab.api import Conditions, ContactDerivatives, Floats, FrictionBound, ImplicitEnforcement, Ints, Rows, State
 from contactlab.contact.examination import examine_pair
-from contactlab.contact.explicit_system import allocate_rows
+from contactlab.contact.linearisation import linearised
 from contactlab.contact.operator_pair import OperatorPair
-from contactlab.contact.pair import ContactPair, shown, turned
+from contactlab.contact.pair import ContactPair, shown
 from contactlab.contact.passage import first_passage
-from contactlab.contact.sliding import varying
+from contactlab.contact.sliding import held_together, varying
+from contactlab.kernels.contact.coupling import Coupling
 
 if TYPE_CHECKING:
     from contactlab.contact.potential_pair import PotentialPair
     from contactlab.contact.pressure_response import PressureStore
     from contactlab.contact.step_rows import StepRows
 
-HELD = 0.1  # flexibility along the surface over nodal flexibility: chains end with the normal of half a facet's turn
-SAME = 1e-3  # segment lengths along the surface: both meshes begin at the same cut, up to round-off and strain
-STILL = 1e-9  # segment lengths: supports that move both sides together
 ROUND_OFF = 1e-9  # of a bound: a force this near slides
 SETTLED = 1e-5  # of the largest bound: tolerance of bounds that follow slips
+
+StepCall = Callable[[float, float], None]
 
 
 class ImplicitContactSystem:
     """All contact pairs and their enforcement. Implements `contactlab.api.ImplicitContact`.
 
     passes        all pairs; `pairs` are the pairs in reports (see `ContactPair.second`)
-    follows_gaps  True if normal forces act along the derivatives of the gaps
-    consistent    True if they do so in dynamic steps, which hold gaps by rows that belong to the whole step
+    consistent    True if normal forces act along the derivatives of the gaps
+    whole_steps   True if they do so in dynamic steps, which hold gaps by rows that belong to the whole step
     potentials    pairs whose forces come from an energy; `linear` are the others, which set constraints
     pace          release fraction of multipliers merged at the start of a step: 1, or less in
                   load steps that had to be cut (forces jump on release: a shorter step alone would not help)
@@ -51,7 +48,7 @@ class ImplicitContactSystem:
         enforcement: ImplicitEnforcement,
         state: State,
         time: Floats,
-        follows_gaps: bool,
+        consistent: bool,
     ) -> None:
         """Fill `time` (1,) [s] with the time at which constraints hold; pairs that depend on time read it."""
         self.pairs, self.passes = shown(pairs), pairs
@@ -63,9 +60,9 @@ class ImplicitContactSystem:
             if pair.friction is not None:
                 pair.kept = state[f"friction.{pair.name}"]
         # in statics nothing has to match the start of a step
-        self.follows_gaps, self.consistent = follows_gaps, follows_gaps and "velocity" in state
+        self.consistent, self.whole_steps = consistent, consistent and "velocity" in state
         self.linear = tuple(
-            linearised(pair, nodes, follows_gaps, self.consistent) for pair in pairs if not pair.by_energy
+            linearised(pair, nodes, consistent, self.whole_steps) for pair in pairs if not pair.by_energy
         )
         self.conditions = _conditions(pairs, state["multipliers"], self.friction)
         self.started = np.zeros_like(state["multipliers"])
@@ -74,7 +71,7 @@ class ImplicitContactSystem:
         self.start = np.zeros((nodes, 2))
         self.flexibility = np.ones((nodes, 2))
         self.multipliers = state["multipliers"]
-        self.rows = allocate_rows(self.multipliers.shape[1], 32, self.friction)
+        self.rows = Rows.allocate(self.multipliers.shape[1], 32, self.friction)
         self.factored = None  # constraints are never written as `FactoredRows`
         self.seconds = 0.0
         self.store: PressureStore | None = None  # of a normal law
@@ -89,6 +86,10 @@ class ImplicitContactSystem:
     def calls_per_step(self) -> Counter[str]:
         """Return how many calls of each method of the algorithms an iteration makes."""
         return sum((Counter(pair.calls_per_step()) for pair in self.passes), Counter())
+
+    begin: tuple[StepCall, ...] = ()
+    follow: tuple[StepCall, ...] = ()
+    """Nothing is called around a step: `begin_step` and `accept` are calls of the integrator."""
 
     def begin_step(self, position: Floats, time: float) -> None:
         """Begin a step that ends at `time` [s] from `position` (N, 2), with the memory of the state."""
@@ -110,7 +111,7 @@ class ImplicitContactSystem:
             self._evaluate_start(time)
             self.store.start[:] = np.where(self.conditions.present, self.conditions.gap, np.inf)
         middle = position
-        if self.consistent:
+        if self.whole_steps:
             middle = position + 0.5 * (time - self.state.time) * self.state["velocity"]
         for linear in self.linear:
             linear.begin(self.state.time, position, middle)
@@ -171,7 +172,7 @@ class ImplicitContactSystem:
                     break
             if entries >= 0:
                 break
-            self.rows = allocate_rows(
+            self.rows = Rows.allocate(
                 self.multipliers.shape[1], 2 * len(self.rows.node) // len(self.rows.gap) + 1, self.friction
             )
         if self.friction:
@@ -303,7 +304,7 @@ class ImplicitContactSystem:
 
     def directions(self, chosen: Ints) -> tuple[Any, Any]:
         """Return directions of impulses; see `contactlab.api.ImplicitContact`."""
-        if not self.consistent:
+        if not self.whole_steps:
             found = self.linearise(chosen)
             return found.normal, found.tangent
         stepped = cast("tuple[StepRows, ...]", self.linear)
@@ -338,36 +339,3 @@ def _conditions(pairs: tuple[ContactPair, ...], multipliers: Floats, friction: b
         bound=bound,
         stiffness=np.zeros(k),
     )
-
-
-def held_together(pair: ContactPair, flexibility: Floats, start: Floats) -> Flags:
-    """Return multipliers (k,) of slave nodes held by supports together with the master beneath, as in symmetry.
-
-    They cannot slide on each other whatever friction does: a stick constraint would be redundant, and its force
-    undetermined. Friction passes nothing there; the supports hold the nodes.
-
-    flexibility  (N, 2) [mm/N] of single nodes, 0 if they are held
-    start        (N, 2) [mm] positions at the start of the step: nodes that supports move relative to each other slide
-    """
-    out = np.zeros(pair.slots, np.bool_)
-    slave, master = pair.slave.nodes, pair.master.nodes
-    partly = np.flatnonzero((flexibility[slave] == 0.0).any(axis=1))
-    others = np.flatnonzero((flexibility[master] == 0.0).any(axis=1))
-    if not len(partly) or not len(others):
-        return out
-    slots = (partly + len(slave) * np.arange(pair.rows_per_node)[:, None]).ravel()
-    node = np.tile(partly, pair.rows_per_node)
-    normal, length = pair.normals[slots], pair.full[slots]
-    tangent = turned(normal)
-    across = pair.at.slave[node][:, None] - pair.at.master[others]
-    nearest = others[(across**2).sum(axis=2).argmin(axis=1)]
-    apart = pair.at.slave[node] - pair.at.master[nearest]
-    before = start[slave[node]] - start[master[nearest]]
-    together = np.abs((apart * tangent).sum(axis=1)) < SAME * length
-    still = np.abs(((apart - before) * tangent).sum(axis=1)) < STILL * length
-    held = [
-        (own * tangent**2).sum(axis=1) <= HELD * own.max(axis=1)
-        for own in (flexibility[slave[node]], flexibility[master[nearest]])
-    ]
-    out[slots] = together & still & held[0] & held[1]
-    return out

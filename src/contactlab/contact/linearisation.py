@@ -18,11 +18,11 @@ from scipy.sparse import coo_array, csr_array
 from contactlab.api import ContactDerivatives, Floats, Ints
 from contactlab.api.derivatives import PieceDerivatives
 from contactlab.api.surface import SurfacePositions
-from contactlab.contact.differences import DerivativesOfPieces
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair, turned
-from contactlab.kernels.contact import banded_rows, derivatives, rows
-from contactlab.kernels.contact.tables import BandedRows
+from contactlab.kernels.contact import banded_rows
+from contactlab.kernels.contact import linearisation as kernels
+from contactlab.kernels.contact.pair import BandedRows
 
 if TYPE_CHECKING:
     from contactlab.contact.smooth_surfaces import SmoothSurfaces
@@ -82,6 +82,32 @@ class Linearisation(ABC):
         """Return friction directions (c, 2N) of the chosen multipliers."""
 
 
+def linearised(pair: ContactPair, nodes: int, consistent: bool = False, whole_steps: bool = False) -> Linearisation:
+    """Return the linearisation of a pair at trial positions, in a model of `nodes` nodes.
+
+    consistent  normal forces act along the derivatives of the gaps; whole_steps: by rows of a whole step
+    """
+    if not isinstance(pair, OperatorPair):
+        from contactlab.contact.gap_linearisation import linearised_gaps
+
+        found: Linearisation = linearised_gaps(pair, nodes)
+    elif pair.half:
+        from contactlab.contact.half_passes import HalfPassLinearisation
+
+        found = HalfPassLinearisation(pair, nodes)
+    else:
+        found = (ConsistentLinearisation if consistent and not whole_steps else PairLinearisation)(pair, nodes)
+        if pair.corners is not None:
+            from contactlab.contact.taken_linearisation import TakenLinearisation
+
+            found = TakenLinearisation(found, pair.corners)
+    if whole_steps:
+        from contactlab.contact.step_rows import StepRows
+
+        return StepRows(found)
+    return found
+
+
 class PairLinearisation(Linearisation):
     """Linearisation of a pair whose algorithm gives operators, with forces along weights and frozen normals."""
 
@@ -89,7 +115,6 @@ class PairLinearisation(Linearisation):
 
     def __init__(self, pair: OperatorPair, nodes: int) -> None:
         super().__init__(pair, nodes)
-        self.derivatives = DerivativesOfPieces(pair)
         k = pair.slots
         self.inverse = BandedRows.allocate(k, 16)
         self.start_separation, self.start_gaps = np.zeros((k, 2)), np.zeros((k, 2))
@@ -108,12 +133,12 @@ class PairLinearisation(Linearisation):
 
     def linearise(self, chosen: Ints, y: Floats) -> ContactDerivatives:
         """Sum derivatives of integration segments, spread by T^-T."""
-        pair, pieces = self.pair, self.derivatives.of(self.memory)
+        pair, pieces = self.pair, self.pair.derivatives(self.memory)
         y_n, y_t = parts_of(y, pair)
         normal, tangent = pair.normals, turned(pair.normals)
         traction = self._tractions(y_n, y_t)
         # the chosen rows of T^-T
-        self.inverse = self.pair.coupling.inverse_transposed(self.inverse)
+        self.inverse = banded_rows.inverse_rows(pair.coupling, self.inverse)
         inverse = entries(chosen, self.inverse, CUT)
         size = np.hypot(*traction.T)
         wanted = size > CUT * max(float(size.max(initial=0.0)), 1e-300)
@@ -145,13 +170,13 @@ class PairLinearisation(Linearisation):
         """Sum squared weights."""
         out = np.zeros(self.pair.slots)
         self.pair.weights()
-        rows.flexibilities(self.pair.address, nodal, out)
+        kernels.flexibilities(self.pair.address, nodal, out)
         return out
 
     def add_forces(self, multipliers: Floats, normal: Floats, tangential: Floats) -> None:
         """Add weights times multipliers."""
         self.pair.weights()
-        rows.add_forces(self.pair.address, multipliers, self.pair.first_slot, normal, tangential)
+        kernels.add_forces(self.pair.address, multipliers, self.pair.first_slot, normal, tangential)
 
     # --- the pair's own operators -----------------------------------------------------------------
 
@@ -211,7 +236,7 @@ class PairLinearisation(Linearisation):
     ) -> Any:
         pair, out = self.pair, triplets(2 * pieces.count * pieces.multiplier.shape[1])
         nodes = pair.slave.nodes, pair.master.nodes
-        count = derivatives.gap_derivatives(
+        count = kernels.gap_derivatives(
             pieces.count, _arrays(pieces), pair.coupling.owner, wanted, tuple(at), separation, nodes, out
         )
         return self._matrix(*_first(out, count), 2 * pair.slots)
@@ -234,7 +259,7 @@ class PairLinearisation(Linearisation):
         direct = triplets(2 * pieces.count * (pieces.slave.shape[1] + pieces.master.shape[1]))
         coupled = triplets(2 * pieces.count * k)
         nodes = pair.slave.nodes, pair.master.nodes
-        count, given = derivatives.force_derivatives(
+        count, given = kernels.force_derivatives(
             pieces.count, _arrays(pieces), pair.coupling.owner, wanted, traction, nodes, direct, coupled
         )
         of, turn = pieces.normal_of[: pieces.normal_count], pieces.dnormal[: pieces.normal_count]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -9,19 +10,22 @@ import numpy as np
 from contactlab.api import ContactAlgorithm, FactoredRows, Floats, FrictionLaw, Ints, Pieces, Rows, State, Surface
 from contactlab.api.arrays import Flags
 from contactlab.api.compiled.bound_arrays import BoundArrays
+from contactlab.api.derivatives import PieceDerivatives
 from contactlab.api.surface import SurfacePositions
 from contactlab.contact.corner_report import with_corners
 from contactlab.contact.corners import Corners
-from contactlab.contact.coupling import Coupling
 from contactlab.contact.examination import copies, refuse_written
-from contactlab.contact.near_list import SKIN, Near
 from contactlab.contact.pair import ContactPair, ContactSnapshot
 from contactlab.errors import SceneError, WrongAnswer
 from contactlab.kernels.contact import banded_rows, rows
 from contactlab.kernels.contact import pair as kernels
+from contactlab.kernels.contact.coupling import Coupling
 from contactlab.kernels.contact.factored_rows import write_factored
-from contactlab.kernels.contact.pair import FAR
-from contactlab.kernels.contact.tables import BandedRows, BothSides, PairTable
+from contactlab.kernels.contact.pair import FAR, BandedRows, BothSides, PairTable
+from contactlab.kernels.contact.search import SKIN, Near
+
+OWN_ENTRIES = 16  # room for derivatives that an algorithm gives, for each node and multiplier of a piece
+OWN_NORMALS = 32  # room for derivatives of normals that depend on a piece, for each piece
 
 
 class OperatorPair(ContactPair):
@@ -69,6 +73,8 @@ class OperatorPair(ContactPair):
         self._weights = BothSides(BandedRows.allocate(k, 8), BandedRows.allocate(k, 64))
         self.corners: Corners | None = None
         self._solved, self._unchecked = False, True
+        self._derivatives: PieceDerivatives | None = None
+        self._differences: Callable[[Floats], PieceDerivatives] | None = None
         self._bind()
 
     def _bind(self) -> None:
@@ -167,6 +173,29 @@ class OperatorPair(ContactPair):
         assert self.sliding is not None
         self.algorithm.normals(self._start(positions, memory), self.pieces, self.count, self.sliding.before)
 
+    def derivatives(self, memory: Floats) -> PieceDerivatives:
+        """Return derivatives of the integration segments at their present positions; the same object every call.
+
+        They come from the algorithm, or from differences.
+        """
+        room = OWN_ENTRIES * self.count * sum(self.widths), 20 * self.slots + OWN_NORMALS * self.count
+        found = self.room_for_derivatives(*room)
+        if self.algorithm.derivatives(self.seen(memory), self.pieces, self.count, found):
+            return found
+        if self._differences is None:
+            from contactlab.contact.differences import Differences
+
+            self._differences = Differences(self).of
+        return self._differences(memory)
+
+    def room_for_derivatives(self, entries: int, normals: int) -> PieceDerivatives:
+        """Return arrays with room for so many derivatives of integration segments and of normals."""
+        room = self._derivatives
+        if room is None or entries > len(room.moved) or normals > len(room.normal_moved):
+            room = PieceDerivatives.allocate(entries + entries // 4, self.widths, normals)
+            self._derivatives = room
+        return room
+
     def find_near(self, slave: Floats, master: Floats) -> Near:
         """Rebuild the near list for these positions of the surfaces (m, 2)."""
         near = super().find_near(slave, master)
@@ -186,8 +215,8 @@ class OperatorPair(ContactPair):
             if self.coupling.table.single[0]:
                 banded_rows.own_nodes(self.coupling.bound.address, len(self.slave.nodes), slave)
             else:
-                slave = self.coupling.rows(self.columns.slave, slave)
-            master = self.coupling.rows(self.columns.master, master)
+                slave = banded_rows.rows_of(self.coupling, self.columns.slave, slave)
+            master = banded_rows.rows_of(self.coupling, self.columns.master, master)
             if slave is not self._weights.slave or master is not self._weights.master:
                 self._weights = BothSides(slave, master)
                 self._bind()
@@ -196,7 +225,7 @@ class OperatorPair(ContactPair):
 
     def append_factored(self, out: FactoredRows) -> bool:
         """Append all constraints to `out`; False if `out` is too small."""
-        count = write_factored(self.address, self.first_slot, out.count, out.packed.address)
+        count = write_factored(self.address, self.first_slot, out.count, out)
         if count >= 0:
             out.count = count
         return bool(count >= 0)
@@ -209,9 +238,7 @@ class OperatorPair(ContactPair):
         if taken:
             margin = FAR
         self.weights()
-        count, end = rows.write_rows(
-            self.address, min(margin, FAR), multipliers, self.first_slot, first, entries, out.packed.address
-        )
+        count, end = rows.write_rows(self.address, min(margin, FAR), multipliers, self.first_slot, first, entries, out)
         if count < 0:
             return -1
         self._append_slips(out, first, count, current)

@@ -22,12 +22,11 @@ from contactlab.api import (
     Surface,
 )
 from contactlab.api.surface import SurfacePositions
-from contactlab.contact.near_list import REACH, Near, longest_segment
 from contactlab.contact.sliding import sliding_of
 from contactlab.contact.start_gaps import StartGaps
 from contactlab.kernels.contact import rows
 from contactlab.kernels.contact.pair import FAR
-from contactlab.kernels.contact.search import take
+from contactlab.kernels.contact.search import REACH, Near, longest_segment, take
 
 if TYPE_CHECKING:
     from contactlab.contact.smooth_surfaces import SmoothSurfaces
@@ -279,7 +278,7 @@ class ContactPair(ABC):
         if self.sliding is not None:
             self.write_bounds(out, first, last)
             measured = self.gaps, self.normals, self.sliding.before
-            rows.write_slips(first, last, self.first_slot, measured, current, out.packed.address)
+            rows.write_slips(first, last, self.first_slot, measured, current, out)
         elif len(out.slip):
             out.bound[:, first:last] = 0.0
             out.slip[first:last] = 0.0

@@ -7,7 +7,7 @@ from time import perf_counter
 
 import numpy as np
 
-from contactlab.api import ExplicitEnforcement, Floats, Ints, NormalLaw, Rows, Solve, State, Step, StepStatus
+from contactlab.api import ExplicitEnforcement, Floats, Ints, NormalLaw, Rows, Solve, State
 from contactlab.contact.consistent_system import ConsistentContactSystem
 from contactlab.contact.explicit_system import slips
 from contactlab.contact.pair import ContactPair
@@ -79,17 +79,15 @@ class PressureContactSystem(ConsistentContactSystem):
 
     def _push(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> tuple[int, float]:
         """Add nodal forces of all rows, with friction under them. Return sweeps, and the last change."""
-        count, address, sweeps, residual = self.rows.count, self.rows.packed.address, 1, 0.0
-        push(count, address, self.multipliers, force)
-        if len(self.rows.slip):
-            start_slips(count, address, current, predicted)
-            sweeps, residual = rub(count, address, compliance, self.multipliers, force, TOLERANCE, SWEEPS)
+        count, rows, sweeps, residual = self.rows.count, self.rows, 1, 0.0
+        push(count, rows, self.multipliers, force)
+        if len(rows.slip):
+            start_slips(count, rows, current, predicted)
+            sweeps, residual = rub(count, rows, compliance, self.multipliers, force, TOLERANCE, SWEEPS)
         return sweeps, residual
 
     def _rub_again(self, done: Solve, compliance: Floats, force: Floats) -> Solve:
-        sweeps, residual = rub(
-            self.rows.count, self.rows.packed.address, compliance, self.multipliers, force, TOLERANCE, SWEEPS
-        )
+        sweeps, residual = rub(self.rows.count, self.rows, compliance, self.multipliers, force, TOLERANCE, SWEEPS)
         return done._replace(sweeps=done.sweeps + sweeps, residual=residual)
 
     def _advance(self, pair: ContactPair, first: int, current: Floats, predicted: Floats) -> None:
@@ -128,22 +126,21 @@ class PressureContactSystem(ConsistentContactSystem):
         squares = self.allowed * self.densities
         return float(squares.sum() if self.shared else squares.max())
 
-    def following(self, advance: Callable[[float], Step]) -> Callable[[float], Step]:
-        """Return the step function, which informs a law with memory before and after each step."""
-        advance = super().following(advance)
-        if (memory := self.memory) is None:
-            return advance
+    @property
+    def begin(self) -> tuple[Callable[[float, float], None], ...]:
+        """Inform a law with memory first."""
+        return super().begin if self.memory is None else (self._begin_step, *super().begin)
 
-        def step(dt: float) -> Step:
-            memory.begin_step(self.state.time, dt)
-            done = advance(dt)
-            if done.status is StepStatus.accepted:
-                self._remember()
-            return done
+    @property
+    def follow(self) -> tuple[Callable[[float, float], None], ...]:
+        """Inform a law with memory."""
+        return () if self.memory is None else (self._remember,)
 
-        return step
+    def _begin_step(self, end: float, dt: float) -> None:
+        assert self.memory is not None
+        self.memory.begin_step(self.state.time, dt)
 
-    def _remember(self) -> None:
+    def _remember(self, end: float, dt: float) -> None:
         """Move the gaps at the start of the step, and its slips, into memory."""
         assert self.memory is not None
         rows, slot, slots = self.rows, self.rows.slot[: self.rows.count], len(self.stiffness)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contactlab.api import ContactView, Floats, FrictionBound, FrictionLaw, Ints, State
+from contactlab.api.arrays import Flags
 from contactlab.api.surface import SurfacePositions
 from contactlab.errors import WrongAnswer
 from contactlab.parts.remembered import checked, remember
@@ -26,6 +27,9 @@ TRIES = 60
 """Most iterations to find a rate of slip."""
 EXACT = 1e-9
 """Tolerance of a computed slip, over the slip without friction."""
+HELD = 0.1  # flexibility along the surface over nodal flexibility: chains end with the normal of half a facet's turn
+SAME = 1e-3  # segment lengths along the surface: both meshes begin at the same cut, up to round-off and strain
+STILL = 1e-9  # segment lengths: supports that move both sides together
 
 
 class Sliding:
@@ -215,3 +219,36 @@ def varying(pairs: Sequence[ContactPair], state: State) -> list[tuple[ContactPai
     for pair, sliding in found:
         sliding.bind(state, pair)
     return found
+
+
+def held_together(pair: ContactPair, flexibility: Floats, start: Floats) -> Flags:
+    """Return multipliers (k,) of slave nodes held by supports together with the master beneath, as in symmetry.
+
+    They cannot slide on each other whatever friction does: a stick constraint would be redundant, and its force
+    undetermined. Friction passes nothing there; the supports hold the nodes.
+
+    flexibility  (N, 2) [mm/N] of single nodes, 0 if they are held
+    start        (N, 2) [mm] positions at the start of the step: nodes that supports move relative to each other slide
+    """
+    out = np.zeros(pair.slots, np.bool_)
+    slave, master = pair.slave.nodes, pair.master.nodes
+    partly = np.flatnonzero((flexibility[slave] == 0.0).any(axis=1))
+    others = np.flatnonzero((flexibility[master] == 0.0).any(axis=1))
+    if not len(partly) or not len(others):
+        return out
+    slots = (partly + len(slave) * np.arange(pair.rows_per_node)[:, None]).ravel()
+    node = np.tile(partly, pair.rows_per_node)
+    normal, length = pair.normals[slots], pair.full[slots]
+    tangent = np.stack([normal[:, 1], -normal[:, 0]], axis=1)
+    across = pair.at.slave[node][:, None] - pair.at.master[others]
+    nearest = others[(across**2).sum(axis=2).argmin(axis=1)]
+    apart = pair.at.slave[node] - pair.at.master[nearest]
+    before = start[slave[node]] - start[master[nearest]]
+    together = np.abs((apart * tangent).sum(axis=1)) < SAME * length
+    still = np.abs(((apart - before) * tangent).sum(axis=1)) < STILL * length
+    held = [
+        (own * tangent**2).sum(axis=1) <= HELD * own.max(axis=1)
+        for own in (flexibility[slave[node]], flexibility[master[nearest]])
+    ]
+    out[slots] = together & still & held[0] & held[1]
+    return out

@@ -1,17 +1,21 @@
-"""Gaps and slips of a step as products of mid-step rows and its motion."""
+"""Gaps and slips of a step as products of its motion and mid-step rows, whose forces have no moment."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import coo_array, csr_array
 
 from contactlab.api import ContactDerivatives, Floats, Ints
+from contactlab.api.arrays import Flags
 from contactlab.contact.linearisation import Linearisation
-from contactlab.contact.moment_free_rows import MomentFreeRows, neighbours
 from contactlab.contact.start_gaps import FacetOverlap
 from contactlab.kernels.contact.pair import FAR
+
+AHEAD = 0.5  # share of the final motion that mean positions follow
+PAIRED = 1e-6  # sum of a row over the sum of its absolute values: differences err by 1e-10, rows of one side alone by 1
 
 
 class StepRows(Linearisation):
@@ -113,3 +117,108 @@ class StepRows(Linearisation):
         tangent = None if self.tangent is None else self.tangent.rows()[place]
         self._about(self.start + 0.5 * self.moved)
         return normal, tangent
+
+
+class MomentFreeRows:
+    """The rows nearest to given rows, in the sum of squares, whose forces have no moment about given positions.
+
+    A row of forces g_i on nodes at x_i, whose sum is zero, has the moment m = sum r_i x g_i, r_i = x_i - c, c being the
+    mean of the x_i. Without it, by the least change of its entries (Z is a quarter turn),
+
+        g'_i = g_i - L Z r_i,    L = m / S,    S = sum |r_i|^2
+
+    and its sum is still zero. Like x_i, g'_i change with the positions that a step leads to. Errors of differences in
+    a sum are removed as well; rows with a sum of their own, which push one side alone, stay as they are.
+
+    given   (c, 2N) rows, CSR
+    beside  (N, N) nodes that take part in the change of a row with an entry for one of them: its neighbours on
+            its surface, as coincident nodes have no arm to turn about
+    """
+
+    def __init__(self, given: Any, beside: Any) -> None:
+        self.shape = given.shape
+        nodes, entries = given.shape[1] // 2, given.tocoo()
+        taking_part = coo_array((np.ones(entries.nnz), (entries.row, entries.col // 2)), (self.shape[0], nodes))
+        of = (taking_part.tocsr() @ beside).tocoo()
+        known = np.sort(of.row.astype(np.int64) * nodes + of.col)
+        self.row, self.node = np.divmod(known, nodes)
+        self.given = np.zeros((len(known), 2))
+        place = np.searchsorted(known, entries.row.astype(np.int64) * nodes + entries.col // 2)
+        np.add.at(self.given, (place, entries.col % 2), entries.data)
+        self.count = np.maximum(np.bincount(self.row, minlength=self.shape[0]), 1)
+        self.start = np.concatenate([[0], 2 * np.cumsum(np.bincount(self.row, minlength=self.shape[0]))])
+        self.column = (2 * self.node[:, None] + np.arange(2)).ravel()
+        # remainders of the sums of rows that push both sides are removed
+        size = self._sum(np.abs(self.given).sum(axis=1))
+        left = np.stack([self._sum(self.given[:, i]) for i in range(2)], axis=1)
+        paired: Flags = np.abs(left).max(axis=1, initial=0.0) <= PAIRED * size
+        self.given -= np.where(paired[:, None], left / self.count[:, None], 0.0)[self.row]
+        self.paired = paired
+        self.about(np.zeros((nodes, 2)))
+
+    def about(self, position: Floats) -> None:
+        """Make the moment about `position` (N, 2) vanish."""
+        self.arm = self._from_mean(position[self.node])
+        self.spread = np.where(self.paired, self._sum((self.arm**2).sum(axis=1)), 0.0)
+        moment = self._sum(self.arm[:, 0] * self.given[:, 1] - self.arm[:, 1] * self.given[:, 0])
+        self.share = np.divide(moment, self.spread, out=np.zeros_like(moment), where=self.spread > 0.0)
+        self.values = self.given - self.share[self.row, None] * _turned(self.arm)
+
+    def rows(self) -> Any:
+        """Return the rows (c, 2N)."""
+        return self._matrix(self.values)
+
+    def times(self, motion: Floats) -> Floats:
+        """Return the rows (c,) times a motion (N, 2)."""
+        return self._sum((self.values * motion[self.node]).sum(axis=1))
+
+    def derivatives(self, motion: Floats) -> Any:
+        """Return derivatives of `times` (c, 2N), as `motion` (N, 2) grows and mean positions follow it."""
+        of_share = self._of_share()
+        moved = motion[self.node]
+        turned = self._sum((_turned(self.arm) * moved).sum(axis=1))
+        # sum Z dr_i . w_i = - sum dr_i . Z w_i
+        swept = AHEAD * self.share[self.row, None] * _turned(self._from_mean(moved))
+        return self._matrix(self.values - turned[self.row, None] * of_share + swept)
+
+    def of_forces(self, multipliers: Floats) -> Any:
+        """Return the derivative (2N, 2N) of the forces of `multipliers` (c,), as mean positions follow the nodes.
+
+        Without the derivative of the arms r, which belongs to the small L.
+        """
+        arms = self._matrix(-multipliers[self.row, None] * _turned(self.arm))
+        return arms.T @ self._matrix(self._of_share())
+
+    def _of_share(self) -> Floats:
+        """Return derivatives (z, 2) of L: dL = (dm - L dS) / S."""
+        grown = -_turned(self.given) - 2.0 * self.share[self.row, None] * self.arm
+        spread = self.spread[self.row, None]
+        return AHEAD * np.divide(grown, spread, out=np.zeros_like(grown), where=spread > 0.0)
+
+    def _from_mean(self, values: Floats) -> Floats:
+        """Return values (z, 2) less their mean in each row."""
+        mean = np.stack([self._sum(values[:, i]) / self.count for i in range(2)], axis=1)
+        return values - mean[self.row]
+
+    def _sum(self, values: Floats) -> Floats:
+        return np.asarray(np.bincount(self.row, values, self.shape[0]), np.float64)
+
+    def _matrix(self, values: Floats) -> Any:
+        return csr_array((values.ravel(), self.column, self.start), self.shape)
+
+
+def _turned(vectors: Floats) -> Floats:
+    """Return vectors (z, 2) after a quarter turn from x to y."""
+    return np.stack([-vectors[:, 1], vectors[:, 0]], axis=1)
+
+
+def neighbours(segments: Sequence[Ints], nodes: int) -> Any:
+    """Return (N, N) nodes with a common segment of some surfaces, each (s, a) global node numbers, and single nodes."""
+    parts = [np.repeat(np.arange(nodes)[:, None], 2, axis=1)]
+    for surface in segments:
+        along = surface.shape[1]
+        parts.append(
+            np.stack([np.repeat(surface, along, axis=1).ravel(), np.tile(surface, (1, along)).ravel()], axis=1)
+        )
+    pairs = np.concatenate(parts)
+    return coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), (nodes, nodes)).tocsr()

@@ -9,10 +9,10 @@ import numpy as np
 
 from contactlab.api import ExplicitIntegrator, Floats, Integrator, State, Step
 from contactlab.api.arrays import Flags
+from contactlab.api.integrator import LEAPFROG
 from contactlab.api.state import CONTACT_WORK
 from contactlab.api.surface import SurfacePositions
 from contactlab.contact.consistent_system import ConstantColumns
-from contactlab.contact.contact_pairs import twin
 from contactlab.contact.explicit_system import ContactSystem
 from contactlab.contact.gradients import PairGradients
 from contactlab.contact.operator_pair import OperatorPair
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 SAVED = "work_split"
 Instant = tuple[Floats, Floats]
 """Positions (N, 2) [mm], and the memory of an algorithm there (memory_size, m)."""
-LEAPFROG = 0.5  # of a step that velocities lag behind positions
 
 
 class WorkSplit:
@@ -246,3 +245,11 @@ def _known(y: Floats, *gaps: Floats) -> tuple[Flags, Flags]:
 
 def _dot(a: Floats, b: Floats) -> Floats:
     return np.asarray(np.einsum("ki,ki->k", a, b))
+
+
+def twin(pair: ContactPair, reference: Floats) -> ContactPair:
+    """Return a pair of the same constraints that shares no array with it, without friction, with gaps in full."""
+    fixed = (pair.coupling.fixed,) if isinstance(pair, OperatorPair) else ()
+    kind: Any = type(pair)
+    made: ContactPair = kind(pair.name, pair.method, pair.slave, pair.master, reference, pair.first_slot, None, *fixed)
+    return made

@@ -1,20 +1,86 @@
-"""The kernels of one class of contact algorithms: templates with its formulas in them."""
+"""The kernels of one class of contact algorithms: templates with its formulas in them, and the tables that they read.
+
+A table has a view of a contact and its pieces, by the names of the contract. Slots: PARAMETERS, the parameters p of an
+algorithm from the numbers among its FIELDS.
+"""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from contactlab.api import ContactView, Pieces
-from contactlab.api.compiled.bound_arrays import BoundArrays, table_of
-from contactlab.api.compiled.formulas import Slot, made
+from contactlab.api import ContactView, GapGradients, PieceDerivatives, Pieces, Surface
+from contactlab.api.compiled.bound_arrays import BoundArrays, Floats2, Ints1, table_of
+from contactlab.api.compiled.formulas import Slot, made, slots
+from contactlab.api.compiled.kernel import point
+from contactlab.api.compiled.records import column
 from contactlab.api.formulas import formulas_of, in_python
-from contactlab.formulas import segment_kernels
 from contactlab.formulas.parameters import numbers_of, parameters_of
+
+PARAMETERS, FIELDS = slots("PARAMETERS", "FIELDS")
+
+
+class At(NamedTuple):
+    """Positions of the nodes of both sides [mm]."""
+
+    slave: Floats2
+    master: Floats2
+
+
+class Near(NamedTuple):
+    """Master segments near slave segment s: master[start[s]:start[s + 1]]."""
+
+    start: Ints1
+    master: Ints1
+
+
+class View(NamedTuple):
+    """A `ContactView`."""
+
+    slave: Surface
+    master: Surface
+    at: At
+    near: Near
+
+
+class Both(NamedTuple):
+    """A view, its pieces, and the numbers (n, 1) among the fields of the algorithm."""
+
+    sides: View
+    out: Pieces
+    numbers: Floats2
+
+
+class Derived(NamedTuple):
+    """`Both` with the derivatives."""
+
+    both: Both
+    changes: PieceDerivatives
+
+
+class Separated(NamedTuple):
+    """`Both` with the owner and the separation of each multiplier, and the gradients."""
+
+    both: Both
+    owner: Ints1
+    separation: Floats2
+    gradients: GapGradients
+
+
+@point
+def no_parameters(numbers: Any) -> Any:
+    """Return the parameters of an algorithm that has none."""
+    return 0.0
+
+
+@point
+def parameters(numbers: Any) -> Any:
+    """Return the parameters of an algorithm that has some."""
+    return column(numbers, 0, FIELDS)  # type: ignore[call-arg]
 
 
 class ClassKernels(ABC):
@@ -43,8 +109,8 @@ class ClassKernels(ABC):
     @cached_property
     def given(self) -> dict[Slot, Any]:
         """Values of all template slots."""
-        numbers = segment_kernels.parameters if numbers_of(self.kind) else segment_kernels.no_parameters
-        own = {segment_kernels.PARAMETERS: numbers, segment_kernels.FIELDS: parameters_of(self.kind)}
+        numbers = parameters if numbers_of(self.kind) else no_parameters
+        own = {PARAMETERS: numbers, FIELDS: parameters_of(self.kind)}
         return {**self.formula_slots, **own}
 
     def made(self, template: Any) -> Any:

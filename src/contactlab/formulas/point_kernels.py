@@ -1,27 +1,83 @@
 """Contact at points: the master segment or vertex in contact with each node, or Gauss point, of the slave.
 
-Slots as in `point_pieces` and PARAMETERS and FIELDS as in `segment_kernels`; HOLD, `hold_nodes` or `hold_gauss_points`.
+Slots as in `point_pieces` and PARAMETERS as in `class_kernels`; HOLD, `hold_nodes` or `hold_gauss_points`.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
+from contactlab.api import GapGradients, PieceDerivatives, Pieces
+from contactlab.api.compiled.bound_arrays import Flags1, Floats1, Floats2, Ints1
 from contactlab.api.compiled.chains import nodal_normals, segment_normals, tributary_lengths
 from contactlab.api.compiled.formulas import slots
 from contactlab.api.compiled.kernel import kernel, section
 from contactlab.api.compiled.unpack import unpack
 from contactlab.api.segments import SlavePoint
 from contactlab.api.tensors import Vector
+from contactlab.formulas.class_kernels import PARAMETERS, View
 from contactlab.formulas.point_corners import find_corners, put_corners, stands_for
 from contactlab.formulas.point_pieces import ABSCISSAE, ALONE, EDGE, LEAVE, POINTS, SHARP, faces, foot, hold, kink
-from contactlab.formulas.segment_kernels import PARAMETERS, trace
+from contactlab.formulas.segment_kernels import trace
 from contactlab.formulas.segment_normals import inward_normals, node, turn_normals
-from contactlab.formulas.tables import Points
 
 (HOLD,) = slots("HOLD")
 FLANK = 0.2  # cosine: the gap of a Gauss point counts along the slave's normal, unlike its projection
 HYSTERESIS = 1.02  # a new segment must be nearer by this factor: stops flicker at corners
+
+
+class Points(NamedTuple):
+    """A view, its pieces, and arrays for measures of both surfaces.
+
+    In pieces at points, `segment` has the point (the node, or the Gauss point's number along the slave; under a
+    corner of the master -1 less the slave's segment) and its contact (the master's segment; -1 less the vertex).
+    `ends` has xi of the point in its segment, eta of its projection, and a flag for s, -1 to 1, on a quadratic edge.
+
+    numbers    (n, 1) the numbers among the fields of the algorithm
+    memory     of nodes: the segment plus one, 0 for none; the corner plus one. Of Gauss points: the segment plus one
+    slave_normal, slave_length    of slave segments (s, 2), (s,) [mm]
+    master_normal, master_length  of master segments
+    outward    (m, 2) averaged normals of slave nodes
+    tributary  (m,) [mm] the length of slave surface of each node
+    rival      (m,) the same node on the other flank of a corner of the slave, elsewhere the slave node itself
+    taken      (m,) True if a slave node has two constraints of its own
+    carried    (m,) the corner whose constraint a slave node carries plus one, 0 for none
+    corner_on, corner_share  (l,) the slave segment that each corner of the master presses on, -1 for none; share on it
+    psi        (k,) [mm] weights of the multipliers at the present point
+    """
+
+    sides: View
+    out: Pieces
+    numbers: Floats2
+    memory: Floats2
+    slave_normal: Floats2
+    slave_length: Floats1
+    master_normal: Floats2
+    master_length: Floats1
+    outward: Floats2
+    tributary: Floats1
+    rival: Ints1
+    taken: Flags1
+    carried: Ints1
+    corner_on: Ints1
+    corner_share: Floats1
+    psi: Floats1
+
+
+class DerivedPoints(NamedTuple):
+    """`Points` with the derivatives."""
+
+    points: Points
+    changes: PieceDerivatives
+
+
+class TurnedPoints(NamedTuple):
+    """`Points` with the gradients."""
+
+    points: Points
+    gradients: GapGradients
 
 
 # --- both surfaces ----------------------------------------------------------------------------------------------------

@@ -18,11 +18,11 @@ from contactlab.api.compiled.kernel import kernel, point, section
 from contactlab.api.compiled.unpack import unpack
 from contactlab.api.segments import MasterSegment, SlaveSegment
 from contactlab.api.tensors import Vector
+from contactlab.formulas.class_kernels import PARAMETERS, Derived, Separated
 from contactlab.formulas.segment_kernels import (
     BASIS,
     COVERED,
     OVERLAP,
-    PARAMETERS,
     PARTS,
     QUADRATIC_POINTS,
     QUADRATIC_WEIGHTS,
@@ -34,7 +34,6 @@ from contactlab.formulas.segment_kernels import (
     spans_edge,
 )
 from contactlab.formulas.segment_normals import average_derivatives, inward_normals, normal_derivatives
-from contactlab.formulas.tables import Derived, Separated
 
 MOST_NODES = 12  # of a piece and of the pieces at the ends of the total overlap: five of the slave, six of the master
 NUMBERS = 7  # that integrals depend on: six quantities, and the logarithm of the length

@@ -14,16 +14,14 @@ import numpy as np
 
 from contactlab.api.compiled.formulas import methods_of, slots
 from contactlab.api.compiled.kernel import kernel, point, section
-from contactlab.api.compiled.records import column
 from contactlab.api.compiled.unpack import unpack
 from contactlab.api.mathematics import sqrt
 from contactlab.api.segments import MasterSegment, SlaveSegment
 from contactlab.api.tensors import Vector
+from contactlab.formulas.class_kernels import PARAMETERS, Both
 from contactlab.formulas.segment_normals import inward_normals, turn_normals
-from contactlab.formulas.tables import Both
 
 OVERLAP, BASIS, PARTS, BREAKS, COVERED = slots("OVERLAP", "BASIS", "PARTS", "BREAKS", "COVERED")
-PARAMETERS, FIELDS = slots("PARAMETERS", "FIELDS")
 POINTS, WEIGHTS, QUADRATIC_POINTS, QUADRATIC_WEIGHTS = slots(
     "POINTS", "WEIGHTS", "QUADRATIC_POINTS", "QUADRATIC_WEIGHTS"
 )
@@ -37,18 +35,6 @@ NONE = np.uint32(0xFFFFFFFF)  # no node. Numbers without sign spare the test for
 
 for _kind in (SlaveSegment, MasterSegment):
     methods_of(_kind)
-
-
-@point
-def no_parameters(numbers):
-    """Return the parameters of an algorithm that has none."""
-    return 0.0
-
-
-@point
-def parameters(numbers):
-    """Return the parameters of an algorithm that has some."""
-    return column(numbers, 0, FIELDS)
 
 
 # --- geometry ---------------------------------------------------------------------------------------------------------

@@ -17,7 +17,7 @@ from contactlab.api.compiled.kernel import kernel, point, section
 from contactlab.api.compiled.unpack import unpack
 from contactlab.api.mathematics import sqrt
 from contactlab.api.tensors import Vector
-from contactlab.formulas.tables import Both
+from contactlab.formulas.class_kernels import Both
 
 LEAN = (0.25, 1.0)  # squared lean to the master's normal over its tolerance: none below, all above
 LEAST = 0.004**2  # tolerance of the squared sine: 2 % of friction at mu = 0.2

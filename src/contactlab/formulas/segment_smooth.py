@@ -9,6 +9,7 @@ import numpy as np
 
 from contactlab.api.compiled.kernel import kernel, section
 from contactlab.api.compiled.unpack import unpack
+from contactlab.formulas.class_kernels import PARAMETERS, Both
 from contactlab.formulas.segment_derivatives import (
     MOST_NODES,
     NUMBERS,
@@ -23,14 +24,12 @@ from contactlab.formulas.segment_kernels import (
     BASIS,
     CUBIC_POINTS,
     CUBIC_WEIGHTS,
-    PARAMETERS,
     PARTS,
     cut,
     facing,
     master_segment,
     slave_segment,
 )
-from contactlab.formulas.tables import Both
 from contactlab.kernels.contact.smooth import hermite
 
 

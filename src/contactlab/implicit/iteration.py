@@ -10,10 +10,9 @@ import numpy as np
 from contactlab.api import Floats, ImplicitEquations, Iteration, State
 from contactlab.api.frame import SLIP
 from contactlab.implicit.factor import SingularSystem, with_diagonal
-from contactlab.implicit.line_search import SHORTEST, LineSearch
 from contactlab.implicit.saddle import SaddleSystem
 from contactlab.implicit.scales import AWAY, Residual, Scales
-from contactlab.implicit.trial import Balance, Trial
+from contactlab.implicit.trial import SHORTEST, Balance, LineSearch, Trial
 
 AUGMENTATIONS = 40  # times the iterations of a step, for augmentations
 TAKEOVERS = 40  # times that friction may take newer normal forces or slips in a step

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
@@ -13,11 +12,6 @@ from contactlab.errors import WrongAnswer
 from contactlab.implicit.iteration import Outcome, take_back
 from contactlab.implicit.load_step import LoadStep
 from contactlab.implicit.time_step import Scheme, TimeStep
-
-
-def bound(integrator: ImplicitIntegrator, equations: ImplicitEquations, state: State) -> Callable[[float], Step]:
-    """Return the step function of an integrator that is written by `solve`."""
-    return SolvedMotion(integrator, equations, state).advance
 
 
 class NotSolved(ArithmeticError):

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array
 
 from contactlab.api import ContactDerivatives, Floats, ImplicitContact, Ints, Response
-from contactlab.implicit.reuse import ReusedFactor
+from contactlab.implicit.factor import ReusedFactor
 
 Indices = NDArray[np.integer[Any]]
 Entries = tuple[Indices, Indices, Floats]

@@ -1,4 +1,7 @@
-"""The state during the iteration of a step: displacements, multipliers, and their forces and constraints."""
+"""The state during the iteration of a step, with its forces and constraints, and how far a correction of it is taken.
+
+Corrections are shortened if cells fold, surfaces pass through each other, or contact states cycle.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +11,14 @@ from typing import Any, Protocol
 import numpy as np
 
 from contactlab.api import Floats, ImplicitContact, ImplicitEquations, Response, State
+from contactlab.implicit.scales import Scales
+
+STUCK = 1e6  # coefficient of friction of surfaces that are to stick
+DEEPEST = 1.0  # segment lengths that a correction may push a surface into the other
+CAREFUL = (1.0, 0.5, 0.25, 0.125)  # fractions tried once contact states cycle
+SHORTEST = 1.0 / 64.0  # of a correction: below it the step is given up
+FEW_CELLS = 50.0  # segments across the model, if no constraint gives their length
+MOST_PIECES = 64  # of a correction, with constraints evaluated at their ends
 
 
 class Balance(Protocol):
@@ -24,9 +35,6 @@ class Balance(Protocol):
 
     def of_stresses(self, diagonal: Floats) -> Floats:
         """Return the part of the `diagonal` (N, 2) [N/mm] of `stiffness` by stresses."""
-
-
-STUCK = 1e6  # coefficient of friction of surfaces that are to stick
 
 
 class Trial:
@@ -105,3 +113,120 @@ class ContactForces:
     def total(self) -> Floats:
         """Sum of both (N, 2), as last computed."""
         return self.normal + self.tangential if len(self.tangential) else self.normal
+
+
+class LineSearch:
+    """Applies corrections of one trial; remembers the patterns of contact states within a step."""
+
+    def __init__(self, trial: Trial, scales: Scales) -> None:
+        self.trial, self.scales = trial, scales
+        self.seen: set[bytes] = set()
+        self.circling = False
+
+    def forget(self) -> None:
+        """Begin a step without seen patterns of contact states."""
+        self.seen.clear()
+        self.circling = False
+
+    def take(self, dt: float, du: Floats, dy: Floats, given: Floats) -> tuple[str, float, int]:
+        """Correct the trial once. Return the reason of a limit, the fraction taken, and the number of state changes.
+
+        du     (N, 2) [mm] correction of the displacements
+        dy     (r, k) [N] correction of the multipliers
+        given  (2N,) [mm] motion of prescribed degrees of freedom by a full correction
+        """
+        response = self.trial.response
+        before = response.status.copy()
+        note, length = self._careful(dt, du, dy, given) if self.circling else self._move(dt, du, dy, given)
+        changed = int(np.count_nonzero(response.status != before))
+        if changed:
+            pattern = response.status.tobytes()
+            self.circling = self.circling or pattern in self.seen
+            self.seen.add(pattern)
+        return note, length, changed
+
+    def _careful(self, dt: float, du: Floats, dy: Floats, given: Floats) -> tuple[str, float]:
+        """Try several step lengths if contact states cycle, and keep the one with the smallest residual."""
+        u, y = self.trial.u, self.trial.multipliers
+        start, y_start, found = u.copy(), y.copy(), []
+        for part in CAREFUL:
+            u[:], y[:] = start, y_start
+            note, length = self._move(dt, part * du, part * dy, given if part == 1.0 else part * given)
+            found.append((self._left_to_do(), part * length, part, note))
+            if found[-1][0] < found[0][0] and found[-1] > min(found):
+                break
+        _, length, part, note = min(found)
+        if part != found[-1][2]:
+            u[:], y[:] = start, y_start
+            self._move(dt, part * du, part * dy, given if part == 1.0 else part * given)
+        return note or ("" if part == 1.0 else "contact states cycle"), length
+
+    def _left_to_do(self) -> float:
+        """Return the sum of squares [mm^2] of unbalanced forces and constraint residuals, each over its stiffness."""
+        trial = self.trial
+        rest = float((trial.force**2 * self.scales.flexibility**2).sum())
+        if trial.contact is not None:
+            c = trial.contact.conditions
+            rest += float((trial.response.residual[:, c.present] ** 2 / c.stiffness[c.present] ** 2).sum())
+        return rest if np.isfinite(rest) else np.inf
+
+    def _move(self, dt: float, du: Floats, dy: Floats, given: Floats) -> tuple[str, float]:
+        """Apply as much of a correction as keeps cells unfolded and surfaces from passing through each other."""
+        trial, u, y = self.trial, self.trial.u, self.trial.multipliers
+        start, y_start = u.copy(), y.copy()
+        length, note = self._reach(start, du)
+        shortest, work = SHORTEST * length, self._work(du, given)
+        while length >= shortest > 0.0:
+            u[:] = start + length * du
+            if length == 1.0:
+                u.reshape(-1)[trial.held] = (start.reshape(-1) + given)[trial.held]
+            y[:] = y_start + length * dy
+            trial.evaluate(dt)
+            sense = not trial.equations.folded() and bool(np.isfinite(trial.force).all())
+            if sense and (length <= 2.0 * shortest or abs(float(np.vdot(trial.force * self.scales.free, du))) <= work):
+                return note, length
+            length, note = 0.5 * length, "the energy of contact grows" if sense else "cells fold over"
+        return note, 0.0
+
+    def _work(self, du: Floats, given: Floats) -> float:
+        """Return the largest work of unbalanced forces along a correction at its end; with potentials, at its start.
+
+        A correction that ends at growing potential energy has gone too far. While supports move, or
+        with constraints, there is no energy that would fall.
+        """
+        contact = self.trial.contact
+        if contact is None or not contact.by_energy or np.any(given) or contact.conditions.present.any():
+            return np.inf
+        return abs(float(np.vdot(self.trial.force * self.scales.free, du)))
+
+    def _reach(self, start: Floats, du: Floats) -> tuple[float, str]:
+        """Return the fraction of a correction at which a surface penetrates too deep, or a node passes through."""
+        contact = self.trial.contact
+        if contact is None:
+            return 1.0, ""
+        conditions, place = contact.conditions, self.trial.equations.reference + start
+        smallest = float(conditions.size[conditions.present].min(initial=np.inf))
+        if not np.isfinite(smallest):
+            smallest = self.scales.size / FEW_CELLS
+        pieces = max(1, int(np.ceil(np.hypot(*du.T).max() / smallest)))
+        length = contact.free_share(place, du, DEEPEST)
+        if pieces <= MOST_PIECES:
+            length = min(length, self._watched(place, du, pieces))
+        return length, "surfaces would pass through each other" if length < 1.0 else ""
+
+    def _watched(self, place: Floats, du: Floats, pieces: int) -> float:
+        """Return the fraction of a correction at which a constraint penetrates too deep; 1 if none does."""
+        contact = self.trial.contact
+        assert contact is not None
+        conditions, length = contact.conditions, 1.0
+        force = conditions.force.copy()
+        for piece in range(1, pieces + 1):
+            contact.evaluate(place + piece / pieces * du)
+            depth = np.divide(
+                -conditions.gap, conditions.size, out=np.zeros_like(conditions.gap), where=conditions.present
+            )
+            if depth.max() > DEEPEST:
+                length = (piece - 1 if depth.max() > 2.0 * DEEPEST and piece > 1 else piece) / pieces
+                break
+        conditions.force[:] = force
+        return length

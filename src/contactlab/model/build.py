@@ -26,7 +26,7 @@ from contactlab.parts.error_origin import part_errors
 if TYPE_CHECKING:
     from contactlab.api import Effect
     from contactlab.model.bodies.frequency import Joints
-    from contactlab.model.contact.plan import ContactPlan
+    from contactlab.model.contact.systems import ContactPlan
     from contactlab.model.loading.rigid import RigidSurface
     from contactlab.parts.registry import Registry
     from contactlab.scene.keys import Body as SceneBody
@@ -154,7 +154,8 @@ def _contact_plans(
     if not scene.contacts:
         return (), bodies
     from contactlab.model.contact.initial_gap import adjusted_bodies
-    from contactlab.model.contact.plan import by_energy, plan_contacts
+    from contactlab.model.contact.plan import plan_contacts
+    from contactlab.model.contact.systems import by_energy
 
     plans = plan_contacts(scene, registry, bodies, rigid, integrator)
     bodies = adjusted_bodies(bodies, rigid, plans)

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from contactlab.api import ExplicitIntegrator
-from contactlab.model.bound_integrator import BoundIntegrator
+from contactlab.api.integrator import LEAPFROG
 from contactlab.model.model import Model
 
 if TYPE_CHECKING:
     from contactlab.contact.explicit_system import ContactSystem
     from contactlab.model.loading.effect_rates import EffectRates
-
-LEAPFROG = 0.5  # velocity lag of schemes that move by dt times their velocity
 
 
 @dataclass
@@ -49,13 +47,6 @@ class ExplicitModel(Model):
         else:
             np.subtract(self.state["displacement"], self._before, out=self.increment)
             self._before[:] = self.state["displacement"]
-
-    def bound_integrator(self, seen: Any = None) -> BoundIntegrator:
-        """Return the step function of a run; the integrator works on `seen`, or on this model."""
-        advance = self.integrator.bind(self if seen is None else seen, self.state)
-        if self.contact is not None:
-            advance = self.contact.following(advance)
-        return BoundIntegrator(type(self.integrator).__name__, advance, self.state, self.loading.accepted)
 
     def lagging_work(self) -> float:
         """Return the work of the stresses [mJ] between the times of velocities and positions."""

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from contactlab.api import Effect, Integrator
     from contactlab.model.bodies.body import Body
-    from contactlab.model.contact.plan import ContactPlan
+    from contactlab.model.contact.systems import ContactPlan
     from contactlab.scene.scene import Scene
 
 

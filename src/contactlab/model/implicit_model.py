@@ -13,7 +13,6 @@ import numpy as np
 from contactlab.api import Estimate, Floats, ImplicitIntegrator
 from contactlab.kernels.checks import smallest_jacobian
 from contactlab.model.bodies.tangent import Tangent
-from contactlab.model.bound_integrator import BoundIntegrator
 from contactlab.model.examination import examine_bodies, examine_effects
 from contactlab.model.model import Model
 
@@ -104,11 +103,6 @@ class ImplicitModel(Model):
     def _follow(self, dt: float) -> None:
         if self.increment is not None:
             np.subtract(self.state["displacement"], self._start, out=self.increment)
-
-    def bound_integrator(self, seen: Any = None) -> BoundIntegrator:
-        """Return the step function of a run; the integrator works on `seen`, or on this model."""
-        advance = self.integrator.bind(self if seen is None else seen, self.state)
-        return BoundIntegrator(type(self.integrator).__name__, advance, self.state, self.loading.accepted)
 
     def lagging_work(self) -> float:
         """Return 0: velocities and positions belong to the same time."""

@@ -1,7 +1,8 @@
-"""A model: everything a run needs, bound once."""
+"""A model: everything a run needs, bound once; its integrator at work."""
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -10,10 +11,19 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from contactlab.api import Floats, Integrator, State, Warnings
+from contactlab.api import (
+    ExplicitIntegrator,
+    Floats,
+    ImplicitIntegrator,
+    Integrator,
+    State,
+    Step,
+    StepStatus,
+    Warnings,
+)
+from contactlab.errors import SimulationFailure, WrongAnswer
 from contactlab.model.bodies.body import Body, BodyForces
 from contactlab.model.bodies.stable_step import StableStep
-from contactlab.model.bound_integrator import BoundIntegrator
 from contactlab.model.history import History
 from contactlab.model.loading.effect_rates import NO_EFFECTS, EffectRates
 from contactlab.model.loading.supports import Prescribed, SupportedSet
@@ -23,6 +33,10 @@ from contactlab.model.timing import Timing
 if TYPE_CHECKING:
     from contactlab.contact.explicit_system import ContactSystem
     from contactlab.contact.implicit_system import ImplicitContactSystem
+
+
+StepCall = Callable[[float, float], None]
+"""Called with the end and the length [s] of a step."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +55,7 @@ class Loading:
     rates: EffectRates = NO_EFFECTS
 
     @property
-    def accepted(self) -> tuple[Callable[[float, float], None], ...]:
+    def accepted(self) -> tuple[StepCall, ...]:
         """Functions called with the end and the length [s] of each accepted step: effects with memory."""
         return tuple(effect.accept for effect in self.effects if hasattr(effect, "accept"))
 
@@ -127,9 +141,14 @@ class Model(ABC):
     def _follow(self, dt: float) -> None:
         """Update displacement increments of the step, for laws in rate form."""
 
-    @abstractmethod
     def bound_integrator(self, seen: Any = None) -> BoundIntegrator:
-        """Return the step function of a run; the integrator works on `seen`, or on this model."""
+        """Return what makes the steps of a run; the integrator works on `seen`, or on this model."""
+        integrator: Any = self.integrator
+        equations = self if seen is None else seen
+        if (contact := self.contact) is None:
+            return BoundIntegrator(integrator, equations, self.state, (), self.loading.accepted)
+        follow = (*contact.follow, *self.loading.accepted)
+        return BoundIntegrator(integrator, equations, self.state, contact.begin, follow)
 
     @abstractmethod
     def lagging_work(self) -> float:
@@ -167,3 +186,74 @@ class Model(ABC):
     def reactions(self) -> dict[str, Floats]:
         """Return the force of each support on its body (2,) [N]; shared degrees of freedom count for the first."""
         return self.loading.reactions(self.state["reaction"])
+
+
+class BoundIntegrator:
+    """Makes steps of `state` by an integrator, and stores their energy balance, reactions and time.
+
+    advance  result of its `bind`: by default of `contactlab.model.motion.ExplicitMotion`, or in statics and
+             implicit dynamics of `contactlab.implicit.motion.SolvedMotion`
+    begin    functions called with the end and the length [s] of each step before it
+    follow   functions called with the end and the length [s] of each accepted step
+    """
+
+    def __init__(
+        self,
+        integrator: ExplicitIntegrator | ImplicitIntegrator,
+        equations: Any,
+        state: State,
+        begin: tuple[StepCall, ...] = (),
+        follow: tuple[StepCall, ...] = (),
+    ) -> None:
+        self.name, self.advance = type(integrator).__name__, integrator.bind(equations, state)
+        self.begin, self.follow = begin, follow
+        self.clock, self.work, self.reaction = state["clock"], state["work"], state["reaction"]
+        self.error = state["step_error"] if "step_error" in state else None
+
+    def step(self, dt: float) -> Step:
+        """Make one step of length dt [s], and check its result.
+
+        Raises WrongAnswer if the integrator breaks the contract, and SimulationFailure if the clock would
+        stand, so that a run never ends.
+        """
+        clock = self.clock
+        time, count = float(clock[0]), float(clock[1])
+        after = time + dt
+        if not time < after < math.inf:
+            _refuse_step(count, time, dt)
+        for prepare in self.begin:
+            prepare(after, dt)
+        done = self.advance(dt)
+        if type(done) is not Step:
+            raise WrongAnswer(f"{self.name}: its step gave {type(done).__name__}, needed: Step")
+        if clock[0] != time or clock[1] != count:
+            raise WrongAnswer(f"{self.name}: its step wrote the clock, which is the core's; needed: leave it alone")
+        if done.status is StepStatus.accepted:
+            # an integrator that books in place needs no copy
+            if done.work is not self.work:
+                self._store("work", done.work, self.work)
+            if done.reaction is not self.reaction:
+                self._store("reaction", done.reaction, self.reaction)
+            if self.error is not None:
+                if done.error is None or not done.error >= 0.0:
+                    raise WrongAnswer(f"{self.name}: its step gave error {done.error}, needed: a number of at least 0")
+                self.error[1], self.error[0] = self.error[0], done.error
+            for remember in self.follow:
+                remember(after, dt)
+            clock[0], clock[1], clock[2] = after, count + 1.0, dt
+        return done
+
+    def _store(self, name: str, given: Floats | None, field: Floats) -> None:
+        if given is None:
+            raise WrongAnswer(f"{self.name}: its step was accepted and gave no {name}, needed: Step({name}=...)")
+        if np.shape(given) != field.shape:
+            raise WrongAnswer(f"{self.name}: its step gave {name} of shape {np.shape(given)}, needed: {field.shape}")
+        field[...] = given
+
+
+def _refuse_step(count: float, time: float, dt: float) -> None:
+    raise SimulationFailure(
+        "failed",
+        f"step {count:.0f}: the clock stands at {time:.6g} s, as a step of {dt:.3g} s does not move it; try a longer "
+        "time.step, or look at the stiffness and density of the bodies, from which the stable step follows",
+    )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -14,11 +13,6 @@ from contactlab.errors import WrongAnswer
 
 ROUND_OFF = 1e-12  # relative: drifts of a step sum to its length up to round-off
 POWERS = 512  # products of forces and velocities that are summed at a time
-
-
-def bound(integrator: ExplicitIntegrator, equations: ExplicitEquations, state: State) -> Callable[[float], Step]:
-    """Return the step function of an integrator that is written by primitives."""
-    return ExplicitMotion(integrator, equations, state).advance
 
 
 class ExplicitMotion:

@@ -117,12 +117,12 @@ def _compiled(model: Model, pair: OperatorPair, columns: dict[str, np.ndarray]) 
         rows = contact.rows
         if pair.friction is not None:
             np.copyto(compliance, contact.compliance)
-        record_pair(row, pair.address, address, rows.packed.address, rows.count, uncounted())
+        record_pair(row, pair.address, address, rows, rows.count, uncounted())
 
     def record_implicit(row: int) -> None:
         if pair.friction is not None:
             slid[:] = contact.conditions.slip[own]
-        record_pair(row, pair.address, address, 0, -1, uncounted())
+        record_pair(row, pair.address, address, contact.rows, -1, uncounted())
 
     chosen = record_implicit if hasattr(contact, "conditions") else record
     chosen.bound = bound  # type: ignore[attr-defined]  # keeps the addresses good

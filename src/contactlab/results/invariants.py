@@ -167,7 +167,7 @@ def _kept(model: Model) -> Iterator[Invariant]:
 def _kept_by_steps(model: Model) -> bool:
     """Return whether steps that iterate conserve angular momentum as exactly as they are solved."""
     turn = all(body.material.kinematics != "small" for body in model.bodies)
-    paired = model.contact is None or model.contact.consistent
+    paired = model.contact is None or (model.contact.consistent and model.integrator.inertia)
     return turn and paired and model.state["work"][WORK.index("numerical")] == 0.0
 
 
@@ -263,7 +263,7 @@ def _kept_overlap(model: Model, pair: ContactPair, sample: Sample) -> Iterator[I
         return
     # in statics, and with frozen forces in steps that iterate, pressed nodes have no overlaps
     stored = abs(sample.energies["internal"])
-    if contact.consistent and stored > 0.0:
+    if contact.consistent and model.integrator.inertia and stored > 0.0:
         yield Invariant(
             "overlaps of pressed nodes times their forces over the work of the stresses", "kept-overlap", pair.name,
             sample.contacts[pair.name].kept_work / stored, KEPT,

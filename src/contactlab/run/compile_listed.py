@@ -42,7 +42,7 @@ def main() -> None:
 
 
 def signature(types: str) -> tuple[Any, ...]:
-    """Types in numba's words, or a table's name, as numba wants them: "i8, FactoredTable, f8[::1]"."""
+    """Types in numba's words, or a table's name, as numba wants them: "i8, FactoredRows, f8[::1]"."""
     types_of: Any = import_module("numba.core.sigutils").normalize_signature
     contract, unpack = import_module("contactlab.api"), import_module("contactlab.api.compiled.unpack")
     given: list[Any] = []

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from contactlab.api import Step, StepStatus
@@ -23,19 +22,21 @@ def rejected(step: Step) -> Step:
     return step._replace(status=StepStatus.not_converged, reason=reason)
 
 
-class ControlledStep:
-    """Advances an explicit model, and restores it if the error of a step exceeds its tolerance."""
+class ControlJudge:
+    """Judges the steps of an explicit model, and restores it if the error of a step exceeds its tolerance."""
 
-    def __init__(self, advance: Callable[[float], Step], model: Model) -> None:
-        self.advance, self.model = advance, model
+    def __init__(self, model: Model) -> None:
+        self.model = model
 
-    def __call__(self, dt: float) -> Step:
-        """Make one step of length dt [s]; restore the state if its error is too large."""
-        start = {name: array.copy() for name, array in model_memory(self.model).items()}
-        step = self.advance(dt)
+    def begin(self) -> None:
+        """Remember the start of a step."""
+        self.start = {name: array.copy() for name, array in model_memory(self.model).items()}
+
+    def judged(self, step: Step) -> Step:
+        """Return the step; restore the state if its error is too large."""
         if step.error is None or step.error <= 1.0:
             return step
-        restore_model(self.model, start)
+        restore_model(self.model, self.start)
         return rejected(step)
 
 

@@ -16,23 +16,22 @@ ENERGY = "the energy of the bodies exceeds the work done on them: stresses chang
 MOST = 5  # times in a row that a step is cut for a guard: what 1/32 of it does not cure is no matter of its length
 
 
-class GuardedStep:
-    """Advances a model that can reject steps; the last objection of a guard ends the run.
+class GuardJudge:
+    """Judges the steps of a model that can reject them; the last objection of a guard ends the run.
 
     The energy that a step stores is compared with its work, unless it `skips` the loading path.
     """
 
-    def __init__(
-        self, advance: Callable[[float], Step], model: Any, guards: Guards | NoGuards, skips: Callable[[], bool]
-    ) -> None:
-        self.advance, self.model, self.guards, self.skips = advance, model, guards, skips
+    def __init__(self, model: Any, guards: Guards | NoGuards, skips: Callable[[], bool]) -> None:
+        self.model, self.guards, self.skips = model, guards, skips
         self.objections, self.controlled = 0, model.integrator.control() is not None
 
-    def __call__(self, dt: float) -> Step:
-        """Make one step of length dt [s], accepted only if the positions at its end make sense."""
-        model, memory = self.model, self.guards.saved()
-        start = model.state.snapshot()
-        step = self.advance(dt)
+    def begin(self) -> None:
+        """Remember the start of a step."""
+        self.memory, self.start = self.guards.saved(), self.model.state.snapshot()
+
+    def judged(self, step: Step) -> Step:
+        """Return the step, accepted only if the positions at its end make sense; otherwise it is taken back."""
         if step.status is not StepStatus.accepted:
             return step
         try:
@@ -48,8 +47,8 @@ class GuardedStep:
             self.objections = 0
             return step
         self.objections += not too_wrong
-        take_back(model, model.state, start)
-        self.guards.restore(memory)
+        take_back(self.model, self.model.state, self.start)
+        self.guards.restore(self.memory)
         return (
             rejected(step) if too_wrong else step._replace(status=StepStatus.not_converged, reason=reason, error=None)
         )

@@ -29,11 +29,12 @@ from contactlab.run.watches import NoGuards, Watching, WorkLimit
 
 if TYPE_CHECKING:
     from contactlab.api import Recorder
-    from contactlab.model.bound_integrator import BoundIntegrator
     from contactlab.model.implicit_model import ImplicitModel
     from contactlab.results.checkpoint_slots import Checkpoint
     from contactlab.results.iterate_sampler import IterateSampler
     from contactlab.run.attempts import Attempts
+    from contactlab.run.controlled_step import ControlJudge
+    from contactlab.run.guarded_step import GuardJudge
     from contactlab.run.last_steps import LastSteps
     from contactlab.run.nested import NestedStart
 
@@ -96,17 +97,17 @@ class Run:
         if nested.levels and not nested.model.estimates:
             self.schedule.follow_the_way()
 
-    def guarded(self, integrator: BoundIntegrator) -> Callable[[float], Step]:
-        """The function that makes one step; steps that can be rejected are judged by the guards, too."""
-        if self.model.explicit:
-            if self.schedule.control is None:
-                return integrator.step
-            from contactlab.run.controlled_step import ControlledStep
+    def step_judge(self) -> ControlJudge | GuardJudge | None:
+        """Return the judge of steps that can be taken back; None if a step stays as it is made."""
+        if not self.model.explicit:
+            from contactlab.run.guarded_step import GuardJudge
 
-            return ControlledStep(integrator.step, self.model)
-        from contactlab.run.guarded_step import GuardedStep
+            return GuardJudge(self.model, self.guards, lambda: self.schedule.skips)
+        if self.schedule.control is None:
+            return None
+        from contactlab.run.controlled_step import ControlJudge
 
-        return GuardedStep(integrator.step, self.model, self.guards, lambda: self.schedule.skips)
+        return ControlJudge(self.model)
 
     @property
     def every_step(self) -> tuple[Callable[[Step, float], None], ...]:

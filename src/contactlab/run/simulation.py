@@ -45,7 +45,7 @@ from contactlab.scene.scene import Scene, load_scene
 from contactlab.views import view
 
 if TYPE_CHECKING:
-    from contactlab.model.bound_integrator import BoundIntegrator
+    from contactlab.model.model import BoundIntegrator
 
 MOST = 52  # steps that are repeated: from one look at the model to the next, and what a fault takes to be seen
 
@@ -248,9 +248,13 @@ def wrong_answer(run: Run) -> str:
 def steps(run: Run, integrator: BoundIntegrator) -> Iterator[Step]:
     """Yield accepted steps until the run ends, each counted, guarded and sampled; retry failed steps with a cut."""
     schedule, guards, counts, every_step = run.schedule, run.guards, run.counts, run.every_step
-    advance = run.guarded(integrator)
+    judge = run.step_judge()
     while not schedule.done():
-        step = advance(schedule.dt)
+        if judge is not None:
+            judge.begin()
+        step = integrator.step(schedule.dt)
+        if judge is not None:
+            step = judge.judged(step)
         if step.trace:
             run.iterated(step)
         if step.status is not StepStatus.accepted:

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from contactlab.api import ContactAlgorithm, ContactMethod, ContactView, GapConditions, Pieces, SurfacePositions
-from contactlab.contact.near_list import REACH
-from contactlab.kernels.contact.search import near_segments
+from contactlab.kernels.contact.search import REACH, near_segments
 from contactlab.testing import contact_derivatives, contact_inputs
 from contactlab.testing.assertions import Check, Expected, NotApplicable, agree, identical, require, tell, untouched
 from contactlab.testing.surfaces import (

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from contactlab.api import ContactMethod, Floats, ImplicitContact, Ints
-from contactlab.contact.contact_pairs import contact_pair, linearised
+from contactlab.contact.linearisation import linearised
+from contactlab.model.contact.systems import contact_pair
 from contactlab.testing.assertions import Check, NotApplicable, agree, require
 from contactlab.testing.surfaces import Chains, Rough, curved, flat
 

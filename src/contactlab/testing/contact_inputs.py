@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from contactlab.api import ContactMethod, ContactView, Floats, GapAlgorithm, Pieces, SurfacePositions
-from contactlab.contact.near_list import REACH
-from contactlab.kernels.contact.search import near_segments
+from contactlab.kernels.contact.search import REACH, near_segments
 from contactlab.testing.assertions import Check, NotApplicable, identical, require, untouched
 from contactlab.testing.surfaces import Chains, chains, conditions, curved, dense, flat, stations
 

@@ -18,7 +18,7 @@ from contactlab.api import (
     State,
     Step,
 )
-from contactlab.model.bound_integrator import BoundIntegrator
+from contactlab.model.model import BoundIntegrator
 from contactlab.testing.floor import ExplicitFloor, ImplicitFloor, floor_shapes
 
 AnyIntegrator = ExplicitIntegrator | ImplicitIntegrator
@@ -95,11 +95,8 @@ class Oscillator:
 
     def bind(self) -> None:
         """Bind the integrator, again after the state was restored."""
-        equations: Any = self
-        advance = self.integrator.bind(equations, self.state)
-        self.advance: Callable[[float], Step] = BoundIntegrator(
-            type(self.integrator).__name__, advance, self.state
-        ).step
+        integrator: Any = self.integrator
+        self.advance: Callable[[float], Step] = BoundIntegrator(integrator, self, self.state).step
 
     def _floor(self, clearance: Floats, friction: float) -> ExplicitFloor | ImplicitFloor:
         level = self.reference[:, 1] - clearance

@@ -17,11 +17,10 @@ from contactlab.api import (
     Rows,
     Surface,
 )
-from contactlab.contact.contact_pairs import contact_pair
-from contactlab.contact.explicit_system import allocate_rows
 from contactlab.contact.pair import ContactPair
 from contactlab.errors import WrongAnswer
 from contactlab.meshing.mesh import surface_from_edges
+from contactlab.model.contact.systems import contact_pair
 
 LOW, HIGH = 0.5, 2.5  # of the shorter surface; the other one spans 0 ... 3
 
@@ -120,7 +119,7 @@ def pair_of(algorithm: ContactMethod, at: Chains, friction: bool = False) -> tup
 
 def rows_of_pair(pair: ContactPair, at: Chains, friction: bool = False) -> Rows:
     """All rows of a pair, however far open."""
-    rows = allocate_rows(pair.slots, len(at.nodes), friction)
+    rows = Rows.allocate(pair.slots, len(at.nodes), friction)
     pair.append_rows(rows, 0, np.inf, np.zeros((2 if friction else 1, pair.slots)), at.nodes)
     return rows
 

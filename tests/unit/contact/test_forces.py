@@ -52,7 +52,7 @@ def test_steps_that_iterate_are_consistent_in_time(
 ) -> None:
     changes = {"integrator": integrator, "contacts.0.enforcement": {"use": "active-set", "forces": forces}}
     contact: Any = model_of(changes | {"time.end": 1e-3}).contact
-    assert contact.follows_gaps == (in_time if consistent is None else consistent)
+    assert contact.consistent == (in_time if consistent is None else consistent)
 
 
 @pytest.mark.parametrize("algorithm", ["node-on-segment", "mortar-p0"])

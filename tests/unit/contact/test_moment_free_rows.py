@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_array
 
-from contactlab.contact.moment_free_rows import MomentFreeRows, neighbours
+from contactlab.contact.step_rows import MomentFreeRows, neighbours
 
 NODES = 6
 SLAVE, MASTER = np.array([[0, 1], [1, 2]]), np.array([[3, 4], [4, 5]])

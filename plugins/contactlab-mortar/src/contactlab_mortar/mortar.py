@@ -27,10 +27,9 @@ passes.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 from contactlab.api import Overlap, SegmentContact, formula
-from contactlab_mortar.cone import Coned
 
 
 @dataclass(frozen=True)
@@ -52,7 +51,22 @@ class _Mortar(SegmentContact):
 
 
 @dataclass(frozen=True)
-class MortarP0(_Mortar, Coned):
+class _Coned(_Mortar):
+    """A choice for multipliers that are not biorthogonal to the hats: which mean of the pressure is never negative.
+
+    cone  "weak" the one over each hat, "strong" the multiplier of each node itself (rows.md, the strong cone)
+    """
+
+    cone: Literal["weak", "strong"] = "weak"
+
+    @property
+    def lumped(self) -> bool:
+        """The strong cone lumps hats in T."""
+        return self.cone == "strong"
+
+
+@dataclass(frozen=True)
+class MortarP0(_Coned):
     """Multipliers constant on the cell of each slave node (Baillet & Sassi 2005, M_h^0; mortar-operators.md)."""
 
     merged_below: ClassVar[float] = 0.05
@@ -64,7 +78,7 @@ class MortarP0(_Mortar, Coned):
 
 
 @dataclass(frozen=True)
-class MortarP1(_Mortar, Coned):
+class MortarP1(_Coned):
     """Multipliers continuous and linear on slave segments (Baillet & Sassi 2005, M_h^1; mortar-operators.md)."""
 
     @formula

@@ -1,4 +1,4 @@
-"""Rows and gradients of `contactlab.api` as tables, for kernels of the core that `unpack` their addresses."""
+"""Rows and gradients of `contactlab.api` as tables, for kernels that `unpack` an address; others take the objects."""
 
 from __future__ import annotations
 

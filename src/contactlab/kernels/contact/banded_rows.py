@@ -1,4 +1,4 @@
-"""Columns of D and M, and the rows of T^-T D^T and T^-T M^T, each over its own stretch of the chain.
+"""The rows of T^-T D^T and T^-T M^T from columns of D and M, each over its own stretch of the chain.
 
 Row k holds the weights of surface nodes in constraint k. Columns of T^-1 decay by a constant factor per node
 (0.17 for P0, 0.27 for P1), so every row is cut as soon as its weights fall below `CUT`.
@@ -6,67 +6,33 @@ Row k holds the weights of surface nodes in constraint k. Columns of T^-1 decay 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
+import numpy as np
+
+from contactlab.api.compiled.bound_arrays import Floats1
 from contactlab.api.compiled.kernel import kernel, section
 from contactlab.api.compiled.unpack import unpack
-from contactlab.kernels.contact.tables import CouplingTable
+from contactlab.kernels.contact.coupling import Coupling, CouplingTable
+from contactlab.kernels.contact.pair import BandedRows
 
 CUT = 1e-14  # a weight below it moves a gap by less than the round-off of the positions
 
 
-@kernel
-def fill_columns(count, multiplier, nodes, values, owner, out):
-    """Fill columns of D or M for the kept multipliers from `count` contributions (p, b, w).
-
-    Returns 0, or the width that out.weight lacks.
-    """
-    start, end, weight = out.start, out.end, out.weight
-    width, rows = multiplier.shape[1], nodes.shape[1]
-    for k in range(start.size):
-        start[k], end[k] = 2147483647, 0
-    if width == rows == 2:  # the common case, as constants: without inner loops
-        _reach(count, 2, 2, multiplier, nodes, owner, out)
-    else:
-        _reach(count, width, rows, multiplier, nodes, owner, out)
-    needed = 0
-    for k in range(start.size):
-        needed = max(needed, end[k] - start[k])
-    if needed > weight.shape[1]:
-        return needed
-    for k in range(start.size):
-        for i in range(needed):
-            weight[k, i] = 0.0
-    if width == rows == 2:
-        _sum(count, 2, 2, multiplier, nodes, values, owner, out)
-    else:
-        _sum(count, width, rows, multiplier, nodes, values, owner, out)
-    return 0
+def rows_of(coupling: Coupling, columns: BandedRows, rows: BandedRows) -> BandedRows:
+    """Return rows of T^-T A^T from columns of A, in `rows` or in wider rows."""
+    return _wide_enough(lambda out, room: solved(coupling.bound.address, columns, out, room), rows)
 
 
-@section
-def _reach(count, width, rows, multiplier, nodes, owner, out):
-    """Widen the stretch of each kept multiplier to the nodes of its contributions."""
-    start, end = out.start, out.end
-    for p in range(count):
-        low, high = nodes[p, 0], nodes[p, 0]
-        for i in range(1, rows):
-            low, high = min(low, nodes[p, i]), max(high, nodes[p, i])
-        for j in range(width):
-            k = owner[multiplier[p, j]]
-            if k >= 0:
-                start[k], end[k] = min(start[k], low), max(end[k], high + 1)
+def inverse_rows(coupling: Coupling, rows: BandedRows) -> BandedRows:
+    """Return rows of T^-T, in `rows` or in wider rows."""
+    return _wide_enough(lambda out, room: inverse_transposed(coupling.bound.address, out, room), rows)
 
 
-@section
-def _sum(count, width, rows, multiplier, nodes, values, owner, out):
-    """Add the contributions to the weights of the kept multipliers."""
-    start, weight = out.start, out.weight
-    for p in range(count):
-        for j in range(width):
-            k = owner[multiplier[p, j]]
-            if k >= 0:
-                shift = start[k]
-                for i in range(rows):
-                    weight[k, nodes[p, i] - shift] += values[p, i, j]
+def _wide_enough(fill: Callable[[BandedRows, Floats1], int], rows: BandedRows) -> BandedRows:
+    while needed := fill(rows, np.zeros(rows.weight.shape[1])):
+        rows = BandedRows.allocate(len(rows.start), needed + needed // 2)
+    return rows
 
 
 @kernel

@@ -1,17 +1,174 @@
-"""From segment contributions to the coupling T of the multipliers: merged, dropped, factorised and solved.
+"""The coupling T of one pair's multipliers: summed from segment contributions, merged, factorised and solved.
 
 T is tridiagonal along the slave chain. On partial overlap a multiplier that keeps little of its length is merged
 into its neighbour, a multiplier with less than 1e-6 and without neighbour is dropped (docs/theory/rows.md); merging
-adds rows and columns, so T stays square and tridiagonal. All kernels work on a `CouplingTable`.
+adds rows and columns, so T stays square and tridiagonal. Kernels work on a `CouplingTable`, which `Coupling` holds.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
+import numpy as np
+
+from contactlab.api import Floats, Ints, Surface
+from contactlab.api.arrays import Flags
+from contactlab.api.compiled.bound_arrays import BoundArrays, Flags1, Floats1, Ints1
 from contactlab.api.compiled.kernel import kernel, section
 from contactlab.api.compiled.unpack import unpack
-from contactlab.kernels.contact.tables import CouplingTable
+from contactlab.api.contact import MERGED_BELOW
 
 DROP_BELOW = 1e-6
+# for steps that free multipliers gradually, in shares of their lengths
+TIE = 0.1  # tie of a half-free multiplier, about as much as T at the overlap of release
+HELD_BELOW = 0.5  # overlap up to which a multiplier merged at the start of a step stays merged,
+KEPT_ABOVE = 0.6  # and share of this overlap below which a free multiplier is merged: hysteresis
+
+
+class CouplingTable(NamedTuple):
+    """The tridiagonal coupling T of the multipliers and its factors.
+
+    following, preceding   (k,) multipliers of the next and previous node with multipliers on the chain, -1 at ends
+    absent                 multipliers of nodes without one: places that stay empty
+    fixed                  (k,) multipliers of nodes that cannot move
+    least                  (k,) share of its length below which each is merged
+    tie                    (k,) [mm] tie of each to the neighbour that it would be merged into, 0: none
+    full, cover            (k,) [mm] length of each multiplier on full overlap, and its overlap length
+    diagonal, lower, upper (k,) [mm] T[k, k], T[k, previous], T[k, next]
+    pivot                  (k,) [mm] diagonal after elimination of T from the start of each chain
+    owner                  (k,) the multiplier that each is merged into, -1 if it was dropped
+    next, previous         (k,) neighbours among the kept multipliers, -1 at ends
+    order                  (k,) kept multipliers, chain by chain; kept[0] is their number
+    single                 (1,) True if each multiplier has weight on its own slave node alone, D = T
+    """
+
+    following: Ints1
+    preceding: Ints1
+    absent: Ints1
+    fixed: Flags1
+    least: Floats1
+    tie: Floats1
+    full: Floats1
+    cover: Floats1
+    diagonal: Floats1
+    lower: Floats1
+    upper: Floats1
+    pivot: Floats1
+    owner: Ints1
+    next: Ints1
+    previous: Ints1
+    order: Ints1
+    kept: Ints1
+    single: Flags1
+
+
+class Coupling:
+    """The tridiagonal T of k multipliers: merged and dropped if they have little overlap, and factorised.
+
+    `table` holds its arrays, which the kernels of a pair fill from segment contributions. `carriers` (m,) marks slave
+    nodes with multipliers, `fixed` (m,) nodes that cannot move: these multipliers are merged at any overlap.
+    `merged_below` is the share of its length below which `let_go` and the code after it merge a multiplier.
+    """
+
+    def __init__(
+        self, slave: Surface, rows_per_node: int, carriers: Flags, fixed: Flags, merged_below: float = MERGED_BELOW
+    ) -> None:
+        self.rows_per_node, self.merged_below = rows_per_node, merged_below
+        carried = np.tile(carriers, rows_per_node)
+        following, preceding = _with_multipliers(slave, rows_per_node, carried)
+        absent = np.flatnonzero(~carried).astype(np.int32)
+        k = len(following)
+        tie, full, cover, diagonal, lower, upper, pivot = np.zeros((7, k))
+        owner, next_, previous, order = np.zeros((4, k), np.int32)
+        self.table = CouplingTable(
+            following, preceding, absent, np.tile(fixed, rows_per_node), np.full(k, MERGED_BELOW), tie, full,
+            cover, diagonal, lower, upper, pivot, owner, next_, previous, order, np.zeros(1, np.int32),
+            np.zeros(1, np.bool_),
+        )  # fmt: skip
+        self.bound = BoundArrays(CouplingTable, *self.table)
+
+    @property
+    def order(self) -> Ints:
+        """Numbers of the kept multipliers, chain by chain."""
+        return self.table.order[: self.table.kept[0]]
+
+    @property
+    def owner(self) -> Ints:
+        """The owner (k,) that each multiplier is merged into, -1 if it was dropped."""
+        return self.table.owner
+
+    @property
+    def cover(self) -> Floats:
+        """Overlap length (k,) [mm] of each multiplier."""
+        return self.table.cover
+
+    @property
+    def full(self) -> Floats:
+        """Length (k,) [mm] of each multiplier on full overlap."""
+        return self.table.full
+
+    @property
+    def fixed(self) -> Flags:
+        """Slave nodes (m,) that cannot move."""
+        nodes = len(self.table.fixed) // self.rows_per_node
+        return self.table.fixed[:nodes]
+
+    @property
+    def free(self) -> Flags:
+        """Multipliers (k,) that are neither merged nor dropped."""
+        free: Flags = self.owner == np.arange(len(self.owner), dtype=np.int32)
+        return free
+
+    def let_go(self) -> None:
+        """Tie nothing, and merge multipliers with too little overlap: the coupling of the theory."""
+        self.table.least[:], self.table.tie[:] = self.merged_below, 0.0
+
+    def untie(self, freedom: Floats) -> None:
+        """Tie nothing; a multiplier with some `freedom` (k,) is merged later than a multiplier that comes free."""
+        self.table.least[:] = np.where(freedom > 0.0, KEPT_ABOVE * self.merged_below, self.merged_below)
+        self.table.tie[:] = 0.0
+
+    def hold(self, freedom: Floats) -> None:
+        """Release every multiplier by `freedom` (k,): 1 frees it, 0 holds it merged until half overlaps.
+
+        In between it is tied to the neighbour that it would be merged into, less so with more freedom.
+        """
+        t = self.table
+        t.least[:] = np.where(freedom > 0.0, KEPT_ABOVE * self.merged_below, HELD_BELOW)
+        part = (freedom > 0.0) & (freedom < 1.0)
+        t.tie[:] = 0.0
+        t.tie[part] = TIE * t.full[part] * (1.0 / freedom[part] - 1.0)
+
+    def solve(self, values: Floats) -> Floats:
+        """Return T^-1 values (k,): the owner's value if merged, 0 if dropped."""
+        found = np.array(values)
+        solve(self.bound.address, found)
+        return np.where(self.owner >= 0, found[self.owner], 0.0)
+
+    def between(self, nodes: int) -> tuple[Ints, Ints, Ints]:
+        """Return slave nodes without multiplier, and the next and previous node with a multiplier for each."""
+        inner = self.table.absent[self.table.absent < nodes]
+        return inner, self.table.following[inner], self.table.preceding[inner]
+
+
+def links(surface: Surface) -> tuple[Ints, Ints]:
+    """Return the next and previous node of every node of a surface, -1 at ends."""
+    into, out = surface.node_segments[:, 0], surface.node_segments[:, 1]
+    following = np.where(out >= 0, surface.segments[out, 1], -1).astype(np.int32)
+    return following, np.where(into >= 0, surface.segments[into, 0], -1).astype(np.int32)
+
+
+def _with_multipliers(slave: Surface, slots: int, carried: Flags) -> tuple[Ints, Ints]:
+    """Return the multipliers of the next and previous node with multipliers, by node and slot, -1 at ends."""
+    shift = len(slave.nodes) * np.arange(slots)[:, None]
+    both = []
+    for side in links(slave):
+        near = np.where(side >= 0, side + shift, -1).ravel()
+        both.append(np.where((near >= 0) & ~carried[near], near[near], near).astype(np.int32))
+    return both[0], both[1]
+
+
+# --- kernels --------------------------------------------------------------------------------------------------------
 
 
 @section

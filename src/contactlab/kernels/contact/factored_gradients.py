@@ -13,11 +13,10 @@ from typing import NamedTuple
 import numpy as np
 
 from contactlab.api.compiled.bound_arrays import Floats2, Floats3, Ints1, Ints2
-from contactlab.api.compiled.contact_tables import FactoredGradientsTable
 from contactlab.api.compiled.gradient_products import conditions_moved
 from contactlab.api.compiled.kernel import kernel, point, section, table_kernel
 from contactlab.api.compiled.unpack import unpack
-from contactlab.kernels.contact.tables import PairTable
+from contactlab.kernels.contact.pair import PairTable
 
 SHORT = 1e-7  # of a segment: changes along shorter pieces are below the round-off of their ends
 
@@ -286,18 +285,14 @@ def _begin(row, ends, rows):
 
 
 @table_kernel
-def write_gradients(bound, bound_ends, count, first_slot, row, bound_rows):
+def write_gradients(bound, bound_ends, count, first_slot, row, rows):
     """Append all constraints of a pair with straight edges to the `row` rows of the model. Return their number, or -1.
 
-    bound, bound_ends, bound_rows  addresses of a `PairTable`, an `EndsTable`, and a `FactoredGradientsTable`; -1 if
-                                   the last table has no room
+    bound, bound_ends  addresses of a `PairTable` and an `EndsTable`
     count  pieces in use
+    rows   `FactoredGradients` of the model; -1 is returned if they have no room
     """
-    pair, rows, ends = (
-        unpack(bound, PairTable),
-        unpack(bound_rows, FactoredGradientsTable),
-        unpack(bound_ends, EndsTable),
-    )
+    pair, ends = unpack(bound, PairTable), unpack(bound_ends, EndsTable)
     c, f = pair.coupling, rows.factors
     _begin(row, ends, rows)
     _collect(pair, count, ends, rows)
@@ -315,12 +310,8 @@ def write_gradients(bound, bound_ends, count, first_slot, row, bound_rows):
 
 
 @kernel
-def allow_factored_motion(count, bound_rows, current, predicted, velocity, last_dt):
-    """Replace initial gaps of the first `count` rows by the constraint at the end of the step (`allow_motion`).
-
-    `bound_rows` is the address of a `FactoredGradientsTable`.
-    """
-    rows = unpack(bound_rows, FactoredGradientsTable)
+def allow_factored_motion(count, rows, current, predicted, velocity, last_dt):
+    """Replace initial gaps of the first `count` rows by the constraint at the end of the step (`allow_motion`)."""
     size, gap = rows.used[0], rows.factors.gap
     step, came = np.empty((size, 2)), np.empty((size, 2))
     for n in range(size):

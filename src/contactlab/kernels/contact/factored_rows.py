@@ -8,20 +8,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api.compiled.contact_tables import FactoredTable
 from contactlab.api.compiled.kernel import kernel, section
 from contactlab.api.compiled.unpack import unpack
-from contactlab.kernels.contact.tables import PairTable
+from contactlab.kernels.contact.pair import PairTable
 
 
 @kernel
-def allow_constant_motion(count, bound_rows, current, predicted, velocity, last_dt, offset):
+def allow_constant_motion(count, rows, current, predicted, velocity, last_dt, offset):
     """Replace initial gaps by the constraint at the end of the step, as `allow_motion` does for written rows.
 
-    `bound_rows` is the address of a `FactoredTable`, of which `count` rows are in use; offset (k,) [mm] becomes the gap
-    at the start plus the allowed motion.
+    The first `count` of `rows`, `FactoredRows`, are in use; offset (k,) [mm] becomes the gap at the start plus the
+    allowed motion.
     """
-    rows = unpack(bound_rows, FactoredTable)
     carried, (px, py, qx, qy) = np.empty((count, 4)), (0.0, 0.0, 0.0, 0.0)
     for i in range(count):
         x, y, s, t = 0.0, 0.0, 0.0, 0.0
@@ -60,12 +58,13 @@ def _write_column(k, column, sign, numbers, at, node, weight):
 
 
 @kernel
-def write_factored(bound, first_slot, row, bound_rows):
+def write_factored(bound, first_slot, row, out):
     """Append all constraints of a pair to the `row` rows of the model. Return their number, or -1 if out of room.
 
-    bound, bound_rows  addresses of a `PairTable` and of a `FactoredTable`
+    bound  address of a `PairTable`
+    out    `FactoredRows` of the model
     """
-    pair, out = unpack(bound, PairTable), unpack(bound_rows, FactoredTable)
+    pair = unpack(bound, PairTable)
     c, columns, slave, master = pair.coupling, pair.columns, pair.places.slave, pair.places.master
     single, normal, gaps = c.single[0], pair.pieces.normal, pair.gaps
     at = out.start[row]

@@ -8,13 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api.compiled.contact_tables import GradientsTable, RowsTable
 from contactlab.api.compiled.kernel import kernel, section
 from contactlab.api.compiled.unpack import unpack
-from contactlab.kernels.contact.derivatives import weighted_change
-from contactlab.kernels.contact.tables import PairTable
-
-CUT = 1e-14  # a weight below it moves a gap by less than the round-off of the positions
+from contactlab.kernels.contact.banded_rows import CUT
+from contactlab.kernels.contact.linearisation import weighted_change
+from contactlab.kernels.contact.pair import PairTable
 
 
 @section
@@ -151,15 +149,15 @@ def _entries(P, W, across, along, normal, node_of, at, rows):
 
 
 @kernel
-def write_rows(bound, bound_gradients, used, margin, multipliers, first_slot, ends, bound_rows):
+def write_rows(bound, gradients, used, margin, multipliers, first_slot, ends, rows):
     """Append constraints with a gap below `margin` or a force. Return (rows, entries), or (-1, 0) if out of room.
 
-    bound, bound_gradients, bound_rows  addresses of a `PairTable`, a `GradientsTable` and the model's `RowsTable`
-    used  pieces, gradients and derivatives of normals in use
-    ends  rows and entries that are in use already
+    bound      address of a `PairTable`
+    gradients  `GapGradients`; rows: the model's `Rows`
+    used       pieces, gradients and derivatives of normals in use
+    ends       rows and entries that are in use already
     """
-    pair, gradients = unpack(bound, PairTable), unpack(bound_gradients, GradientsTable)
-    rows = unpack(bound_rows, RowsTable)
+    pair = unpack(bound, PairTable)
     c, kept, friction = pair.coupling, pair.coupling.kept[0], rows.tangent_weight.shape[0] > 0
     m, (row, at) = pair.places.slave.size, ends
     row_of, place = np.full(c.owner.size, -1, np.int32), np.full(m + pair.places.master.size, -1, np.int32)
@@ -195,14 +193,13 @@ def write_rows(bound, bound_gradients, used, margin, multipliers, first_slot, en
 
 
 @kernel
-def allow_motion(first, last, bound_rows, current, predicted, velocity, last_dt, strict):
+def allow_motion(first, last, rows, current, predicted, velocity, last_dt, strict):
     """Replace initial gaps of the rows first ... last - 1 by the constraint at the end of the step.
 
     A force may act only as far as the surfaces end up no closer than they were one step before, and after they have
     met, no closer than now: the gap becomes the predicted motion less this bound (docs/theory/contact-energy.md);
-    without `strict` the predicted gap. `bound_rows` is the address of the model's `RowsTable`.
+    without `strict` the predicted gap.
     """
-    rows = unpack(bound_rows, RowsTable)
     for row in range(first, last):
         moved, came, at, slid = 0.0, 0.0, 0.0, 0.0
         for z in range(rows.start[row], rows.start[row + 1]):

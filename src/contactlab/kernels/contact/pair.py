@@ -1,19 +1,86 @@
 """A contact pair from positions to gaps, on its bound arrays: the work of `OperatorPair` in every step.
 
-`bound` is the address of a `PairTable` throughout.
+k multipliers, m slave nodes, l master nodes; `bound` is the address of a `PairTable` throughout.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
+import numpy as np
+
+from contactlab.api import Pieces
+from contactlab.api.compiled.bound_arrays import Floats2, Ints1, Ints2
 from contactlab.api.compiled.chains import tributary_lengths
 from contactlab.api.compiled.kernel import kernel, section
 from contactlab.api.compiled.unpack import unpack
-from contactlab.kernels.contact.banded_rows import fill_columns
-from contactlab.kernels.contact.coupling import couple, unmerged
+from contactlab.kernels.contact.coupling import CouplingTable, couple, unmerged
 from contactlab.kernels.contact.search import largest_move, take
-from contactlab.kernels.contact.tables import PairTable
 
 FAR = 1e300  # gap of a multiplier that is not kept
+
+
+class PlacesTable(NamedTuple):
+    """Nodes and positions of a pair.
+
+    slave, master           (m,), (l,) global nodes
+    segments, node_segments of the slave
+    slave_at, master_at     (m, 2), (l, 2) [mm] for the integration of D, M and T
+    slave_measured, master_measured  [mm] for the measurement of gaps
+    slave_before, master_before      [mm] of the near list
+    """
+
+    slave: Ints1
+    master: Ints1
+    segments: Ints2
+    node_segments: Ints2
+    slave_at: Floats2
+    master_at: Floats2
+    slave_measured: Floats2
+    master_measured: Floats2
+    slave_before: Floats2
+    master_before: Floats2
+
+
+class BandedRows(NamedTuple):
+    """Rows with weights on one stretch of a chain of nodes each.
+
+    Row k weights the positions start[k] <= p < end[k] by weight[k, p - start[k]].
+    """
+
+    start: Ints1
+    end: Ints1
+    weight: Floats2
+
+    @classmethod
+    def allocate(cls, rows: int, width: int) -> BandedRows:
+        """Allocate empty rows of at most `width` weights."""
+        return cls(np.zeros(rows, np.int32), np.zeros(rows, np.int32), np.zeros((rows, width)))
+
+
+class BothSides(NamedTuple):
+    """Banded rows over the slave's nodes and over the master's nodes, of one multiplier each."""
+
+    slave: BandedRows
+    master: BandedRows
+
+
+class PairTable(NamedTuple):
+    """All arrays of the kernels of one pair.
+
+    columns     of D and M for each multiplier
+    separation  (k, 2) [mm] weighted slave positions minus weighted master positions, gaps (k, 2) [mm] their normal and
+                tangential parts
+    weights     rows T^-T D^T and T^-T M^T
+    """
+
+    places: PlacesTable
+    coupling: CouplingTable
+    pieces: Pieces
+    columns: BothSides
+    separation: Floats2
+    gaps: Floats2
+    weights: BothSides
 
 
 @section
@@ -110,6 +177,62 @@ def _push(compliance, force, nodes, at):
         n = nodes[i]
         for c in range(2):
             at[i, c] += compliance[n, c] * force[n, c]
+
+
+@kernel
+def fill_columns(count, multiplier, nodes, values, owner, out):
+    """Fill columns of D or M for the kept multipliers from `count` contributions (p, b, w).
+
+    Returns 0, or the width that out.weight lacks.
+    """
+    start, end, weight = out.start, out.end, out.weight
+    width, rows = multiplier.shape[1], nodes.shape[1]
+    for k in range(start.size):
+        start[k], end[k] = 2147483647, 0
+    if width == rows == 2:  # the common case, as constants: without inner loops
+        _reach(count, 2, 2, multiplier, nodes, owner, out)
+    else:
+        _reach(count, width, rows, multiplier, nodes, owner, out)
+    needed = 0
+    for k in range(start.size):
+        needed = max(needed, end[k] - start[k])
+    if needed > weight.shape[1]:
+        return needed
+    for k in range(start.size):
+        for i in range(needed):
+            weight[k, i] = 0.0
+    if width == rows == 2:
+        _sum(count, 2, 2, multiplier, nodes, values, owner, out)
+    else:
+        _sum(count, width, rows, multiplier, nodes, values, owner, out)
+    return 0
+
+
+@section
+def _reach(count, width, rows, multiplier, nodes, owner, out):
+    """Widen the stretch of each kept multiplier to the nodes of its contributions."""
+    start, end = out.start, out.end
+    for p in range(count):
+        low, high = nodes[p, 0], nodes[p, 0]
+        for i in range(1, rows):
+            low, high = min(low, nodes[p, i]), max(high, nodes[p, i])
+        for j in range(width):
+            k = owner[multiplier[p, j]]
+            if k >= 0:
+                start[k], end[k] = min(start[k], low), max(end[k], high + 1)
+
+
+@section
+def _sum(count, width, rows, multiplier, nodes, values, owner, out):
+    """Add the contributions to the weights of the kept multipliers."""
+    start, weight = out.start, out.weight
+    for p in range(count):
+        for j in range(width):
+            k = owner[multiplier[p, j]]
+            if k >= 0:
+                shift = start[k]
+                for i in range(rows):
+                    weight[k, nodes[p, i] - shift] += values[p, i, j]
 
 
 @kernel

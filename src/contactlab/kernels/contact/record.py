@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from contactlab.api.compiled.bound_arrays import Bytes2, Floats1, Floats2, Ints1, Ints2, Shorts2, Singles2
-from contactlab.api.compiled.contact_tables import RowsTable
 from contactlab.api.compiled.friction import STICKS, friction_limit
 from contactlab.api.compiled.kernel import kernel, section
 from contactlab.api.compiled.unpack import unpack
 from contactlab.kernels.contact.coupling import solve_pivots
-from contactlab.kernels.contact.pair import FAR, separations
+from contactlab.kernels.contact.pair import FAR, PairTable, separations
 from contactlab.kernels.contact.search import take
-from contactlab.kernels.contact.tables import PairTable
 
 NONE = 65535
 
@@ -67,12 +65,12 @@ class RecordTable(NamedTuple):
 
 
 @kernel
-def record_pair(row, bound_pair, bound, bound_rows, count, uncounted):
+def record_pair(row, bound_pair, bound, rows, count, uncounted):
     """Fill a row of the record of a pair from the last accepted step.
 
-    bound_pair, bound, bound_rows  addresses of a `PairTable`, a `RecordTable` and the model's `RowsTable`, of which
-                                   `count` rows are in use; -1: `slid` is filled already
-    uncounted  share of `distance` that does not count [-]
+    bound_pair, bound  addresses of a `PairTable` and a `RecordTable`
+    rows, count  the model's `Rows`, and how many are in use; -1: `slid` is filled already
+    uncounted    share of `distance` that does not count [-]
     """
     pair, r = unpack(bound_pair, PairTable), unpack(bound, RecordTable)
     c, friction = pair.coupling, r.law.shape[1] > 0
@@ -86,7 +84,7 @@ def record_pair(row, bound_pair, bound, bound_rows, count, uncounted):
             r.scratch.apart[k, 0] -= uncounted * r.distance[k]
     _tractions(c, r, friction)
     if friction and count >= 0:
-        _slips(unpack(bound_rows, RowsTable), count, r)
+        _slips(rows, count, r)
     nodes = r.out.gap.shape[1]
     for i in range(nodes):
         _node(row, i, nodes, c.cover, r, friction)

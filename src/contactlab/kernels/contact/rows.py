@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from contactlab.api.compiled.contact_tables import RowsTable
 from contactlab.api.compiled.kernel import kernel, section
 from contactlab.api.compiled.unpack import unpack
-from contactlab.kernels.contact.tables import PairTable
+from contactlab.kernels.contact.pair import PairTable
 
 
 @section
@@ -27,13 +26,13 @@ def _write(k, side, sign, numbers, normal, at, rows):
 
 
 @kernel
-def write_rows(bound, margin, multipliers, first_slot, row, at, bound_rows):
+def write_rows(bound, margin, multipliers, first_slot, row, at, rows):
     """Append constraints with a gap below `margin` or a force. Return (rows, entries), or (-1, 0) if out of room.
 
-    bound, bound_rows  addresses of a `PairTable` and of the model's `RowsTable`, of which `row` rows and `at` entries
-                       are in use
+    bound  address of a `PairTable`
+    rows   the model's `Rows`, of which `row` rows and `at` entries are in use
     """
-    pair, rows = unpack(bound, PairTable), unpack(bound_rows, RowsTable)
+    pair = unpack(bound, PairTable)
     c, gaps, normal = pair.coupling, pair.gaps, pair.pieces.normal
     slave, master = pair.weights.slave, pair.weights.master
     for i in range(c.kept[0]):
@@ -54,7 +53,7 @@ def write_rows(bound, margin, multipliers, first_slot, row, at, bound_rows):
 
 
 @kernel
-def write_slips(first, last, first_slot, measured, current, bound_rows):
+def write_slips(first, last, first_slot, measured, current, rows):
     """Compute the slip of the step in rows first ... last - 1: tangent times separation now minus at the start.
 
     Each term has the tangent of its own time and both have the same weights (docs/theory/rows.md), so that a
@@ -62,7 +61,6 @@ def write_slips(first, last, first_slot, measured, current, bound_rows):
     each; `current` (N, 2) are the positions at the start of the step.
     """
     gaps, normals, before = measured
-    rows = unpack(bound_rows, RowsTable)
     for row in range(first, last):
         k = rows.slot[row] - first_slot
         # tangent = (ny, -nx): the scalar weight is tangent . tangent_weight
@@ -76,9 +74,8 @@ def write_slips(first, last, first_slot, measured, current, bound_rows):
 
 
 @kernel
-def tangential_work(count, bound_rows, multipliers, mean_velocity, dt, compliance, force):
+def tangential_work(count, rows, multipliers, mean_velocity, dt, compliance, force):
     """Return sums over the rows of y_t times mean sliding velocity times dt, and of -y_t times the slip at the end."""
-    rows = unpack(bound_rows, RowsTable)
     work, dissipated = 0.0, 0.0
     for row in range(count):
         y = multipliers[1, rows.slot[row]]
@@ -93,57 +90,6 @@ def tangential_work(count, bound_rows, multipliers, mean_velocity, dt, complianc
         work += dt * y * sliding
         dissipated -= y * end
     return work, dissipated
-
-
-@kernel
-def add_forces(bound, multipliers, first, normal_force, tangent_force):
-    """Add the nodal forces of normal and of tangential multipliers to (N, 2) each (the latter may be empty).
-
-    `bound` is the address of a `PairTable`, whose multipliers begin at `first`.
-    """
-    pair = unpack(bound, PairTable)
-    _add_side(pair, pair.weights.slave, pair.places.slave, 1.0, multipliers[:, first:], normal_force, tangent_force)
-    _add_side(pair, pair.weights.master, pair.places.master, -1.0, multipliers[:, first:], normal_force, tangent_force)
-
-
-@section
-def _add_side(pair, side, nodes, sign, multipliers, normal_force, tangent_force):
-    c, normals, friction = pair.coupling, pair.pieces.normal, tangent_force.shape[0] > 0
-    for i in range(c.kept[0]):
-        k = c.order[i]
-        y_n = multipliers[0, k]
-        y_t = multipliers[1, k] if friction else 0.0
-        if y_n == 0.0 and y_t == 0.0:
-            continue
-        nx, ny = normals[k, 0], normals[k, 1]
-        for z in range(side.start[k], side.end[k]):
-            w, n = sign * side.weight[k, z - side.start[k]], nodes[z]
-            normal_force[n, 0] += w * y_n * nx
-            normal_force[n, 1] += w * y_n * ny
-            if friction:
-                tangent_force[n, 0] += w * y_t * ny
-                tangent_force[n, 1] -= w * y_t * nx
-
-
-@kernel
-def flexibilities(bound, nodal, out):
-    """Sum squared normal weights times nodal flexibility (N, 2) into out (k,) for the kept multipliers.
-
-    `bound` is the address of a `PairTable`.
-    """
-    pair = unpack(bound, PairTable)
-    c, normals = pair.coupling, pair.pieces.normal
-    for i in range(c.kept[0]):
-        k = c.order[i]
-        total = 0.0
-        for side in range(2):
-            weights = pair.weights.slave if side == 0 else pair.weights.master
-            start, end, weight = weights.start, weights.end, weights.weight
-            nodes = pair.places.slave if side == 0 else pair.places.master
-            for z in range(start[k], end[k]):
-                w, n = weight[k, z - start[k]], nodes[z]
-                total += w * w * (normals[k, 0] ** 2 * nodal[n, 0] + normals[k, 1] ** 2 * nodal[n, 1])
-        out[k] = total
 
 
 @kernel

@@ -1,17 +1,14 @@
-"""Friction under given normal forces: tangential multipliers by projected Gauss-Seidel."""
+"""Friction under given normal forces: tangential multipliers by projected Gauss-Seidel. `rows` are `Rows`."""
 
 from __future__ import annotations
 
-from contactlab.api.compiled.contact_tables import RowsTable
 from contactlab.api.compiled.friction import friction_limit
 from contactlab.api.compiled.kernel import kernel
-from contactlab.api.compiled.unpack import unpack
 
 
 @kernel
-def push(count, bound_rows, multipliers, force):
+def push(count, rows, multipliers, force):
     """Add the nodal forces of all rows."""
-    rows = unpack(bound_rows, RowsTable)
     for row in range(count):
         y = multipliers[0, rows.slot[row]]
         t = multipliers[1, rows.slot[row]] if rows.slip.size > 0 else 0.0
@@ -23,9 +20,8 @@ def push(count, bound_rows, multipliers, force):
 
 
 @kernel
-def start_slips(count, bound_rows, current, predicted):
+def start_slips(count, rows, current, predicted):
     """Compute slips of the rows at the predicted positions, along their tangents at the start of the step."""
-    rows = unpack(bound_rows, RowsTable)
     for row in range(count):
         slid = 0.0
         for z in range(rows.start[row], rows.start[row + 1]):
@@ -35,12 +31,11 @@ def start_slips(count, bound_rows, current, predicted):
 
 
 @kernel
-def rub(count, bound_rows, compliance, multipliers, force, tolerance, sweeps):
+def rub(count, rows, compliance, multipliers, force, tolerance, sweeps):
     """Iterate tangential multipliers until none moves its row by `tolerance` segments. Return (sweeps, last change).
 
     `force` holds the nodal forces of all multipliers, and is updated.
     """
-    rows = unpack(bound_rows, RowsTable)
     change = 0.0
     for sweep in range(sweeps):
         change = 0.0

@@ -20,7 +20,7 @@ from contactlab.api.compiled.dual import derivatives, seed
 from contactlab.api.compiled.kernel import kernel, point, section
 from contactlab.api.compiled.unpack import unpack
 from contactlab.api.tensors import Vector
-from contactlab.kernels.contact.tables import PairTable
+from contactlab.kernels.contact.pair import PairTable
 
 
 @point

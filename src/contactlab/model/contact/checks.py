@@ -11,8 +11,8 @@ import numpy as np
 from contactlab.api import Enforcement, Floats, FrictionLaw, NormalLaw, Surface
 from contactlab.api.arrays import Flags
 from contactlab.api.surface import SurfacePositions
-from contactlab.contact.near_list import longest_segment
 from contactlab.errors import PartError, SceneError, below
+from contactlab.kernels.contact.search import longest_segment
 from contactlab.meshing.inside import depths_inside
 from contactlab.meshing.mesh import outer_edges
 from contactlab.model.bodies.body import Body
@@ -20,7 +20,7 @@ from contactlab.parts.registry import split_spec
 
 if TYPE_CHECKING:
     from contactlab.errors import Where
-    from contactlab.model.contact.plan import ContactPlan
+    from contactlab.model.contact.systems import ContactPlan
 
 DEEP = 0.1  # segment lengths that a curved surface may cut into another without any overlap of the true shapes
 FACING = 64  # slave segments, from all over the surface, compared with all of the master at a time

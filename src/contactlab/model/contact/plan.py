@@ -1,9 +1,8 @@
-"""Contacts before any array exists: their plugin components and surfaces, and their needs of each other."""
+"""From the contacts of a scene to plans: their plugin components and surfaces, and their needs of each other."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +12,6 @@ from contactlab.api import (
     Enforcement,
     ExplicitEnforcement,
     Floats,
-    FrictionLaw,
     Integrator,
     Ints,
     NormalLaw,
@@ -21,16 +19,13 @@ from contactlab.api import (
     SegmentContact,
     Surface,
 )
-from contactlab.api.arrays import Flags
-from contactlab.contact.contact_pairs import contact_pair
-from contactlab.contact.corner_pair import CornerPoints
 from contactlab.contact.corners import corners_of
-from contactlab.contact.pair import ContactPair
 from contactlab.contact.sliding import rows_of
 from contactlab.errors import PartError, SceneError, below
 from contactlab.meshing.mesh import split_at_corners, surface_from_edges
 from contactlab.model.bodies.body import Body, positions_of
 from contactlab.model.contact.checks import JoinedStretches, check_facing, check_solid_side, refuse_half_passes
+from contactlab.model.contact.systems import ContactPlan, all_passes, by_energy
 from contactlab.model.loading.edge_sets import edge_set
 
 if TYPE_CHECKING:
@@ -38,80 +33,6 @@ if TYPE_CHECKING:
     from contactlab.model.loading.rigid import RigidSurface
     from contactlab.parts.registry import Registry
     from contactlab.scene.scene import Scene
-
-
-@dataclass(frozen=True)
-class ContactPlan:
-    """A contact before any array exists. `name` is "contacts.0"; `label` its name in the scene.
-
-    sides  slave and master as they act, in words
-    start  treatment of an overlap before the run, as in the scene
-    explicit  True for an explicit integrator
-    smooth  True if gaps are measured between curves through the nodes
-    opened [mm] opening of surfaces that touched, for a potential that needs room
-    exchanged  slave and master of the pass with exchanged sides, of two half passes; () of one pass
-    second  True for this pass, and for a pass of points at corners
-    corners  (c,) corner nodes of the master, of a mortar that holds them
-    """
-
-    name: str
-    label: str
-    algorithm: ContactMethod
-    slave: Surface
-    master: Surface
-    friction: FrictionLaw | None
-    enforcement: Enforcement
-    sides: tuple[str, str]
-    start: Any
-    where: Where
-    explicit: bool
-    smooth: bool
-
-    opened: float = 0.0
-    exchanged: tuple[Surface, ...] = ()
-    second: bool = False
-    corners: Ints | None = None
-
-    @property
-    def slots(self) -> int:
-        """Number of multipliers that the contact can have."""
-        return self.algorithm.rows_per_node * len(self.slave.nodes)
-
-    def pair(self, positions: Floats, first_slot: int, immobile: Flags, behind: Any = None) -> ContactPair:
-        """Return the pair at work. `immobile` (N,) marks nodes that cannot move; `behind` is for potentials."""
-        sides, fixed = (self.slave, self.master), immobile[self.slave.nodes]
-        pair = contact_pair(self.name, self.algorithm, sides, positions, first_slot, self.friction, fixed, behind)
-        pair.half, pair.second = bool(self.exchanged), self.second
-        if self.smooth:
-            from contactlab.model.contact.smooth import make_smooth
-
-            make_smooth(pair, positions)
-        return pair
-
-
-def all_passes(plans: tuple[ContactPlan, ...]) -> tuple[ContactPlan, ...]:
-    """Return the contacts, then points at corners of their masters, and second passes of two half passes."""
-    second = [
-        replace(
-            p, name=f"{p.name}.exchanged", slave=p.exchanged[0], master=p.exchanged[1], sides=p.sides[::-1], second=True
-        )
-        for p in plans
-        if p.exchanged
-    ]
-    return (*plans, *(_points(plan) for plan in plans if plan.corners is not None), *second)
-
-
-def _points(plan: ContactPlan) -> ContactPlan:
-    """Return the pass of points at corners of the master."""
-    return replace(
-        plan, name=f"{plan.name}.corners", algorithm=CornerPoints(), slave=plan.master, master=plan.slave,
-        sides=plan.sides[::-1], second=True,
-    )  # fmt: skip
-
-
-def by_energy(plan: ContactPlan) -> bool:
-    """Return whether the forces of a contact come from a potential."""
-    return isinstance(plan.algorithm, Potential)
 
 
 def plan_contacts(

@@ -19,7 +19,7 @@ from contactlab.model.contact.initial_gap import moved_body, refuse_overlap
 
 if TYPE_CHECKING:
     from contactlab.errors import Where
-    from contactlab.model.contact.plan import ContactPlan
+    from contactlab.model.contact.systems import ContactPlan
     from contactlab.model.loading.rigid import RigidSurface
 
 ROUNDS = 60

@@ -1,19 +1,32 @@
-"""Contacts at work: the pairs of all plans, in the system for their enforcement and the integrator."""
+"""Contacts: from plans to pairs, and the system of all pairs for their enforcement and the integrator."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from contactlab.api import Enforcement, Floats, Ints, NormalLaw, State
+from contactlab.api import (
+    ContactAlgorithm,
+    ContactMethod,
+    Enforcement,
+    Floats,
+    FrictionLaw,
+    GapAlgorithm,
+    Ints,
+    NormalLaw,
+    Potential,
+    State,
+    Surface,
+)
 from contactlab.api.arrays import Flags
 from contactlab.contact.corner_pair import CornerPair, CornerPoints
 from contactlab.contact.corners import Corners
 from contactlab.contact.explicit_system import ContactSystem
+from contactlab.contact.gap_pair import GapPair
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair, start_distances
 from contactlab.contact.start_gaps import ZeroStart
@@ -21,10 +34,115 @@ from contactlab.errors import SceneError
 from contactlab.model.bodies.body import Body, BodyForces
 from contactlab.model.contact.checks import refuse_held_slave
 from contactlab.model.contact.initial_gap import facet_overlap, ramped_overlap, refuse_overlap
-from contactlab.model.contact.plan import ContactPlan, all_passes, by_energy
 
 if TYPE_CHECKING:
     from contactlab.contact.implicit_system import ImplicitContactSystem
+    from contactlab.errors import Where
+
+
+@dataclass(frozen=True)
+class ContactPlan:
+    """A contact before any array exists. `name` is "contacts.0"; `label` its name in the scene.
+
+    sides  slave and master as they act, in words
+    start  treatment of an overlap before the run, as in the scene
+    explicit  True for an explicit integrator
+    smooth  True if gaps are measured between curves through the nodes
+    opened [mm] opening of surfaces that touched, for a potential that needs room
+    exchanged  slave and master of the pass with exchanged sides, of two half passes; () of one pass
+    second  True for this pass, and for a pass of points at corners
+    corners  (c,) corner nodes of the master, of a mortar that holds them
+    """
+
+    name: str
+    label: str
+    algorithm: ContactMethod
+    slave: Surface
+    master: Surface
+    friction: FrictionLaw | None
+    enforcement: Enforcement
+    sides: tuple[str, str]
+    start: Any
+    where: Where
+    explicit: bool
+    smooth: bool
+
+    opened: float = 0.0
+    exchanged: tuple[Surface, ...] = ()
+    second: bool = False
+    corners: Ints | None = None
+
+    @property
+    def slots(self) -> int:
+        """Number of multipliers that the contact can have."""
+        return self.algorithm.rows_per_node * len(self.slave.nodes)
+
+    def pair(self, positions: Floats, first_slot: int, immobile: Flags, behind: Any = None) -> ContactPair:
+        """Return the pair at work. `immobile` (N,) marks nodes that cannot move; `behind` is for potentials."""
+        sides, fixed = (self.slave, self.master), immobile[self.slave.nodes]
+        pair = contact_pair(self.name, self.algorithm, sides, positions, first_slot, self.friction, fixed, behind)
+        pair.half, pair.second = bool(self.exchanged), self.second
+        if self.smooth:
+            from contactlab.model.contact.smooth import make_smooth
+
+            make_smooth(pair, positions)
+        return pair
+
+
+def contact_pair(
+    name: str,
+    algorithm: ContactMethod,
+    sides: tuple[Surface, Surface],
+    reference: Floats,
+    first_slot: int,
+    friction: FrictionLaw | None,
+    fixed: Flags,
+    behind: tuple[Floats, Floats] | None = None,
+) -> ContactPair:
+    """Return a pair of slave and master at work; `fixed` (m,) marks slave nodes that cannot move.
+
+    Potentials get the material `behind` each node (N,): a modulus [MPa], and modulus over cell depth [MPa/mm].
+    """
+    if isinstance(algorithm, Potential):
+        from contactlab.contact.potential_pair import PotentialPair
+
+        ones = np.ones(len(reference))
+        return PotentialPair(name, algorithm, sides, reference, first_slot, friction, behind or (ones, ones))
+    if isinstance(algorithm, CornerPoints):
+        return CornerPair(name, algorithm, *sides, reference, first_slot, friction)
+    if isinstance(algorithm, GapAlgorithm):
+        return GapPair(name, algorithm, *sides, reference, first_slot, friction)
+    assert isinstance(algorithm, ContactAlgorithm)
+    if algorithm.points_press:
+        from contactlab.contact.points_pair import PointsPair
+
+        return PointsPair(name, algorithm, *sides, reference, first_slot, friction, fixed)
+    return OperatorPair(name, algorithm, *sides, reference, first_slot, friction, fixed)
+
+
+def all_passes(plans: tuple[ContactPlan, ...]) -> tuple[ContactPlan, ...]:
+    """Return the contacts, then points at corners of their masters, and second passes of two half passes."""
+    second = [
+        replace(
+            p, name=f"{p.name}.exchanged", slave=p.exchanged[0], master=p.exchanged[1], sides=p.sides[::-1], second=True
+        )
+        for p in plans
+        if p.exchanged
+    ]
+    return (*plans, *(_points(plan) for plan in plans if plan.corners is not None), *second)
+
+
+def _points(plan: ContactPlan) -> ContactPlan:
+    """Return the pass of points at corners of the master."""
+    return replace(
+        plan, name=f"{plan.name}.corners", algorithm=CornerPoints(), slave=plan.master, master=plan.slave,
+        sides=plan.sides[::-1], second=True,
+    )  # fmt: skip
+
+
+def by_energy(plan: ContactPlan) -> bool:
+    """Return whether the forces of a contact come from a potential."""
+    return isinstance(plan.algorithm, Potential)
 
 
 @dataclass(frozen=True)
@@ -68,7 +186,7 @@ def build_contact(plans: tuple[ContactPlan, ...], around: Around) -> Any:
         pairs.append(_pair(plan, pairs, around, time))
     if isinstance(enforcement, NormalLaw):
         return _pressure_system(plans, tuple(pairs), enforcement, around, time)
-    consistent = follows_gaps(enforcement, motion="velocity" in state, smooth=any(plan.smooth for plan in plans))
+    consistent = consistent_forces(enforcement, motion="velocity" in state, smooth=any(plan.smooth for plan in plans))
     if not explicit:
         from contactlab.contact.implicit_system import ImplicitContactSystem
 
@@ -147,7 +265,7 @@ def _pressure_system(
     if half:
         from contactlab.contact.half_passes import HalfPassResponse, HalfPassSystem
 
-        system = HalfPassSystem(pairs, HalfPassResponse(law, store.stiffness, pairs), state, time, follows_gaps=False)
+        system = HalfPassSystem(pairs, HalfPassResponse(law, store.stiffness, pairs), state, time, consistent=False)
     else:
         from contactlab.contact.implicit_system import ImplicitContactSystem
         from contactlab.contact.pressure_response import MeanPressureResponse, PressureResponse
@@ -158,7 +276,7 @@ def _pressure_system(
             if moves
             else PressureResponse(law, store.stiffness, memory)
         )
-        system = ImplicitContactSystem(pairs, response, state, time, follows_gaps=False)
+        system = ImplicitContactSystem(pairs, response, state, time, consistent=False)
         store.follows_steps = moves
     system.store = store
     return system
@@ -177,10 +295,10 @@ def _traction_system(
     stiffness = [np.tile(stiffness_behind(p.slave, around.bodies, around.reference), p.rows_per_node) for p in pairs]
     behind = TractionBehind(pairs, around.forces, around.position, sum(len(one) for one in stiffness))
     response, linearised = TractionResponse(law, np.concatenate(stiffness), behind), cast("Any", pairs)
-    return TractionContactSystem(linearised, response, around.state, time, follows_gaps=False)
+    return TractionContactSystem(linearised, response, around.state, time, consistent=False)
 
 
-def follows_gaps(enforcement: Enforcement, *, motion: bool, smooth: bool) -> bool:
+def consistent_forces(enforcement: Enforcement, *, motion: bool, smooth: bool) -> bool:
     """Return whether contact forces act along the derivatives of the gaps: the meaning of the key `forces` in a run.
 
     "conjugate" and "published" are older names. "auto" is "consistent" in dynamic steps, in which these forces keep

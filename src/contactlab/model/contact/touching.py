@@ -12,7 +12,7 @@ from contactlab.kernels.contact.search import near_segments
 from contactlab.model.bodies.frequency import NO_JOINTS, Joints
 
 if TYPE_CHECKING:
-    from contactlab.model.contact.plan import ContactPlan
+    from contactlab.model.contact.systems import ContactPlan
 
 TOUCH = 1e-6  # of a segment: round-off of matching meshes
 

@@ -20,7 +20,7 @@ from contactlab.model.loading.edge_sets import edge_set
 
 if TYPE_CHECKING:
     from contactlab.errors import Where
-    from contactlab.model.contact.plan import ContactPlan
+    from contactlab.model.contact.systems import ContactPlan
     from contactlab.scene.scene import Scene
 
 Entries = tuple[Ints, Ints, Floats]

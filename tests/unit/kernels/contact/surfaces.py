@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from contactlab.api import Floats, Ints, Surface
-from contactlab.contact.coupling import Coupling
 from contactlab.kernels.contact import coupling
+from contactlab.kernels.contact.coupling import Coupling
 from contactlab.meshing.mesh import surface_from_edges
 
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from surfaces import chain, contributions, coupled, dense_coupling
 
-from contactlab.contact.coupling import TIE, Coupling
-from contactlab.kernels.contact.coupling import couple
+from contactlab.kernels.contact.coupling import TIE, Coupling, couple
 
 ROUND_OFF = 1e-13  # of numbers near one, through a T whose condition is below ten
 

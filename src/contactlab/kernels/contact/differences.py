@@ -1,4 +1,4 @@
-"""Derivatives of segment contributions by differences, and their effect on gaps and forces.
+"""Derivatives of segment contributions by differences, for algorithms that give none.
 
 Nodes that no contribution depends on together are moved together (colours), so that a few evaluations of the
 algorithm give the derivatives of all contributions.
@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from contactlab.api.compiled.bound_arrays import Ints1
-from contactlab.api.compiled.kernel import kernel, section
+from contactlab.api.compiled.kernel import kernel
 
 JUMP = 2.0  # a change larger than the change to the other side by this factor is a kink or a jump
 
@@ -179,104 +179,3 @@ def normal_differences(high, middle, low, owners, move, at, out):
         dnormal[at, 0], dnormal[at, 1] = x, y
         at += 1
     return at
-
-
-@kernel
-def _wanted(e, multiplier, owner, wanted):
-    for j in range(multiplier.shape[1]):
-        k = owner[multiplier[e, j]]
-        if k >= 0 and wanted[k]:
-            return True
-    return False
-
-
-@kernel
-def _column(moved, nodes):
-    slave_nodes, master_nodes = nodes
-    v = moved // 2
-    node = slave_nodes[v] if v < slave_nodes.size else master_nodes[v - slave_nodes.size]
-    return 2 * node + moved % 2
-
-
-@kernel
-def _emit(at, row, column, value, out):
-    if value == 0.0:
-        return at
-    out[0][at], out[1][at], out[2][at] = row, column, value
-    return at + 1
-
-
-@kernel
-def force_derivatives(count, derivatives, owner, wanted, traction, nodes, force, coupling):
-    """Compute derivatives of D a and -M a, and of T a, at fixed tractions a (k, 2); only for wanted multipliers.
-
-    derivatives = (slave, multiplier, master, moved, dD, dM, dT), nodes = global nodes of slave and master;
-    force and coupling = (row, column, value). Rows of `force` are degrees of freedom of the model, of `coupling`
-    2 k + component; columns are degrees of freedom. Returns the number of entries of both.
-    """
-    slave, multiplier, master, moved, dD, dM, dT = derivatives
-    slave_nodes, master_nodes = nodes
-    at, given = 0, 0
-    for e in range(count):
-        if not _wanted(e, multiplier, owner, wanted):
-            continue
-        column = _column(moved[e], nodes)
-        for c in range(2):
-            for i in range(slave.shape[1]):
-                total = 0.0
-                for j in range(multiplier.shape[1]):
-                    k = owner[multiplier[e, j]]
-                    total += dD[e, i, j] * traction[k, c] if k >= 0 else 0.0
-                at = _emit(at, 2 * slave_nodes[slave[e, i]] + c, column, total, force)
-            for i in range(master.shape[1]):
-                total = 0.0
-                for j in range(multiplier.shape[1]):
-                    k = owner[multiplier[e, j]]
-                    total -= dM[e, i, j] * traction[k, c] if k >= 0 else 0.0
-                at = _emit(at, 2 * master_nodes[master[e, i]] + c, column, total, force)
-            for i in range(multiplier.shape[1]):
-                row, total = owner[multiplier[e, i]], 0.0
-                for j in range(multiplier.shape[1]):
-                    k = owner[multiplier[e, j]]
-                    total += dT[e, i, j] * traction[k, c] if k >= 0 else 0.0
-                if row >= 0:
-                    given = _emit(given, 2 * row + c, column, total, coupling)
-    return at, given
-
-
-@section
-def weighted_change(e, j, c, derivatives, owner, at, separation):
-    """Return the change by entry e of component c of the weighted gap D^T x - M^T y - T^T r of its multiplier j."""
-    slave, multiplier, master, _, dD, dM, dT = derivatives
-    slave_at, master_at = at
-    total = 0.0
-    for i in range(slave.shape[1]):
-        total += dD[e, i, j] * slave_at[slave[e, i], c]
-    for i in range(master.shape[1]):
-        total -= dM[e, i, j] * master_at[master[e, i], c]
-    for i in range(multiplier.shape[1]):
-        other = owner[multiplier[e, i]]
-        total -= dT[e, i, j] * separation[other, c] if other >= 0 else 0.0
-    return total
-
-
-@kernel
-def gap_derivatives(count, derivatives, owner, wanted, at, separation, nodes, weight):
-    """Compute derivatives of the weighted gaps D^T x - M^T y - T^T r at fixed positions and separations r (k, 2).
-
-    at = positions of slave and master, nodes = their global numbers; weight = (row, column, value) with rows
-    2 k + component. Returns the number of entries.
-    """
-    multiplier, moved, given = derivatives[1], derivatives[3], 0
-    for e in range(count):
-        if not _wanted(e, multiplier, owner, wanted):
-            continue
-        column = _column(moved[e], nodes)
-        for j in range(multiplier.shape[1]):
-            k = owner[multiplier[e, j]]
-            if k < 0:
-                continue
-            for c in range(2):
-                change = weighted_change(e, j, c, derivatives, owner, at, separation)
-                given = _emit(given, 2 * k + c, column, change, weight)
-    return given
