@@ -7,7 +7,7 @@ import pytest
 from scipy.sparse import csc_array, diags_array, eye_array, kron, random_array
 
 import contactlab
-from contactlab.implicit import reuse
+from contactlab.implicit import factor as factors
 from contactlab.implicit.factor import Factor, ReusedFactor, preconditioned
 from contactlab.run.simulation import simulate
 
@@ -43,7 +43,7 @@ def test_another_matrix_is_given_up_soon(monkeypatch: pytest.MonkeyPatch) -> Non
     once = factor.once
     monkeypatch.setattr(factor, "once", lambda right: calls.append(1) or once(right))
     assert preconditioned(other, draw.normal(size=400), factor, 1e-10) is None
-    assert len(calls) <= reuse.MOST // 2
+    assert len(calls) <= factors.MOST // 2
 
 
 def test_other_unknowns_and_the_first_iteration_need_new_factors() -> None:
@@ -74,10 +74,10 @@ def test_a_run_is_the_same_with_fewer_factors(friction: object, monkeypatch: pyt
             counted[-1] += 1
             super().__init__(matrix)
 
-    monkeypatch.setattr(reuse, "Factor", Counting)
+    monkeypatch.setattr(factors, "Factor", Counting)
     found = []
     for solve in (preconditioned, lambda *_: None):
-        monkeypatch.setattr(reuse, "preconditioned", solve)
+        monkeypatch.setattr(factors, "preconditioned", solve)
         counted.append(0)
         found.append(simulate(scene))
     saved, plain = found
