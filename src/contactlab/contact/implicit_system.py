@@ -11,6 +11,7 @@ import numpy as np
 from scipy.sparse import csr_array, vstack
 
 from contactlab.api import Conditions, ContactDerivatives, Floats, FrictionBound, ImplicitEnforcement, Ints, Rows, State
+from contactlab.api.compiled.friction import STICKS
 from contactlab.contact.examination import examine_pair
 from contactlab.contact.linearisation import linearised
 from contactlab.contact.operator_pair import OperatorPair
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from contactlab.contact.pressure_response import PressureStore
     from contactlab.contact.step_rows import StepRows
 
-ROUND_OFF = 1e-9  # of a bound: a force this near slides
 SETTLED = 1e-5  # of the largest bound: tolerance of bounds that follow slips
 
 StepCall = Callable[[float, float], None]
@@ -270,7 +270,9 @@ class ImplicitContactSystem:
         c, (normal, shear) = self.conditions, self.started
         bound, measure = FrictionBound(*c.bound), np.where(c.present, c.measure, 0.0)
         bounds = np.stack([bound.limits(force, measure)[0] for force in (normal, c.force[0])])
-        slides, way = np.abs(c.force[1]) >= bounds[1] * (1.0 - ROUND_OFF), -np.sign(c.slip)
+        # only springs slip below the bound; forces of slip stresses miss it by what the last iteration changes
+        slides = (np.abs(c.force[1]) >= bounds[1] * STICKS) | self.enforcement.exact
+        way = -np.sign(c.slip)
         start = np.where(slides, way * np.clip(way * shear, bounds.min(axis=0), bounds.max(axis=0)), shear)
         taken = self._rubbed(0.5 * (start + c.force[1]))
         return taken + potentials, taken - self._rubbed(0.5 * (shear + c.force[1]))
