@@ -150,3 +150,32 @@ def test_the_integral_of_an_even_pressure_is_the_force(algorithm: str, element: 
     }))  # fmt: skip
     (facts,) = results.summary["contacts"].values()
     np.testing.assert_allclose(facts["pressure_integral"], facts["resultant"], rtol=5e-3)
+
+
+@pytest.mark.parametrize("element", ["q1", "q2"])
+def test_forces_and_moments_by_hand_from_the_curve_of_a_beam_on_knives(element: str) -> None:
+    """Sums over pressures of nodes are the reactions, and act where the knives are, also between two nodes."""
+    knives, load, length = (1.3, 2.8), 0.1, 4.0
+    mesh = {"use": "rectangle", "x": [0.0, length], "y": [0.0, 1.0], "cells": [4, 2]}
+    contact = {"slave": "beam.bottom", "algorithm": "node-on-segment"}
+    results = simulate(Scene.from_data({
+        "integrator": "newton",
+        "materials": {"m": {"use": "linear-elastic", "young": 1000.0, "poisson": 0.0, "density": 1e-9}},
+        "bodies": {"beam": {"element": element, "material": "m", "mesh": mesh}},
+        "rigid": {f"knife{i}": {"line": [[x + 0.5, -0.5], [x, 0.0], [x - 0.5, -0.5]]} for i, x in enumerate(knives)},
+        "contacts": [{**contact, "master": f"knife{i}"} for i in range(2)],
+        "supports": [{"on": "beam.left", "ux": 0.0}],
+        "loads": [{"on": "beam.top", "ty": -load}],
+    }))  # fmt: skip
+    assert results.status == "finished", results.reason
+    reactions = [results.summary["reactions"][f"knife{i}"][1] for i in range(2)]
+    assert sum(reactions) == pytest.approx(load * length, rel=1e-6)
+    lengths = np.tile([1.0] if element == "q1" else [1.0 / 3.0, 2.0 / 3.0], 4)  # of the first node of each edge
+    for curve, knife, force in zip(results.contact.values(), knives, reactions, strict=True):
+        order = np.argsort(curve.last.x)[:-1]  # the last node is open
+        at_nodes = curve.last.nodal_pressure[order] * lengths
+        # the beam bends by 1e-3 of its length
+        assert at_nodes.sum() == pytest.approx(force, rel=1e-3)
+        assert curve.last.x[order] @ at_nodes / force == pytest.approx(knife, rel=1e-3)
+    # the nodes are up to 0.35 mm above the flanks, and the knives touch: nothing is kept open
+    assert "kept-gap" not in [warning.code for warning in results.warnings]

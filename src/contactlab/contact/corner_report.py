@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from contactlab.api import Floats
+from contactlab.api import Floats, Ints
 from contactlab.contact.pair import ContactSnapshot, turned
 from contactlab.kernels.contact.pair import FAR
 
@@ -34,24 +34,68 @@ def with_corners(pair: OperatorPair, seen: ContactSnapshot, multipliers: Floats)
         spread = seen.forces.copy()
         spread[:, [moved.slot for moved in corners.moved]] = 0.0
         tractions, pointed = np.stack([pair.tractions(force) for force in spread]), forces - spread
-    normals, gaps, cover = seen.normals, seen.gaps, seen.cover
-    given, gap = _of_points(pair, multipliers, len(gaps))
-    nodes = np.flatnonzero(given.any(axis=(0, 2)))
-    if len(nodes):
-        along = forces[0, nodes, None] * normals[nodes] + given[0, nodes]
-        total = along + forces[1, nodes, None] * turned(normals[nodes]) + given[1, nodes]
-        gaps[nodes] = np.where((forces[0, nodes] > 0.0) & (gaps[nodes] < FAR), gaps[nodes], gap[nodes])
-        normals[nodes] = along / np.hypot(*along.T)[:, None]
-        before = forces[:, nodes].copy()
-        forces[0, nodes] = (total * normals[nodes]).sum(axis=1)
-        forces[1, nodes] = (total * turned(normals[nodes])).sum(axis=1)
-        pointed[:, nodes] += forces[:, nodes] - before
+    cover = seen.cover
+    given, gap = _of_points(pair, multipliers, len(seen.gaps))
+    before = forces.copy()
+    _add(seen, forces, given, gap)
+    pointed += forces - before
     bears = pointed.any(axis=0)
     tractions[:, bears & ~enough] = 0.0
     pointed[:, bears & ~enough] = forces[:, bears & ~enough]
     cover[bears] = np.where(enough, cover, np.where(cover > 0.0, LEAST, 1.0) * pair.full)[bears]
     tractions[:, bears] += pointed[:, bears] / cover[bears]
-    return ContactSnapshot(seen.at, gaps, normals, cover, grip, forces, tractions)
+    return ContactSnapshot(seen.at, seen.gaps, seen.normals, cover, grip, forces, tractions)
+
+
+def with_shares(pair: OperatorPair, seen: ContactSnapshot) -> ContactSnapshot:
+    """Return the snapshot of a pair of points whose nodes have their shares of forces at corners of the master.
+
+    The algorithm keeps such a force with one of both nodes of the segment that the corner touches.
+    """
+    at = corner_pieces(pair)
+    slot, nodes = pair.pieces.multiplier[at, 0], pair.pieces.slave[at, :2]
+    share = pair.pieces.D[at, :2, 0] / pair.pieces.T[at, :1, 0]
+    given, gap = np.zeros((2, len(seen.gaps), 2)), np.zeros(len(seen.gaps))
+    for part, vectors in enumerate((seen.normals[slot], turned(seen.normals[slot]))):
+        np.add.at(given[part], nodes, share[:, :, None] * (seen.forces[part, slot, None] * vectors)[:, None])
+    gap[nodes] = seen.gaps[slot, None]
+    seen.gaps[slot] = FAR
+    for values in (*seen.forces, *seen.tractions, seen.cover, seen.grip):
+        values[slot] = 0.0
+    _add(seen, seen.forces, given, gap)
+    nodes = np.unique(nodes)
+    cover = np.where(seen.cover[nodes] > 0.0, seen.cover[nodes], _lengths(pair, seen)[nodes])
+    seen.tractions[:, nodes] = seen.forces[:, nodes] / cover
+    seen.cover[nodes] = seen.grip[nodes] = cover
+    return seen
+
+
+def corner_pieces(pair: OperatorPair) -> Ints:
+    """Return the integration segments in use that are corners of the master on segments of the slave."""
+    return np.flatnonzero(pair.pieces.segment[: pair.count, 0] < 0)
+
+
+def _lengths(pair: OperatorPair, seen: ContactSnapshot) -> Floats:
+    """Return the integrals (m,) [mm] of the shape functions of the slave's nodes."""
+    slave = pair.slave
+    edge = np.bincount(slave.segment_edge[:, 0], slave.lengths(seen.at.slave))
+    shares = (0.5, 0.5) if slave.edges.shape[1] == 2 else (1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0)
+    return np.bincount(slave.edges.ravel(), np.outer(edge, shares).ravel(), len(slave.nodes))
+
+
+def _add(seen: ContactSnapshot, forces: Floats, given: Floats, gap: Floats) -> None:
+    """Add normal and tangential forces `given` (2, k, 2) [N] to `forces` (2, k), along normals of their sum.
+
+    `gap` (k,) [mm] replaces gaps without a force.
+    """
+    normals, gaps = seen.normals, seen.gaps
+    nodes = np.flatnonzero(given.any(axis=(0, 2)))
+    along = forces[0, nodes, None] * normals[nodes] + given[0, nodes]
+    total = along + forces[1, nodes, None] * turned(normals[nodes]) + given[1, nodes]
+    gaps[nodes] = np.where((forces[0, nodes] > 0.0) & (gaps[nodes] < FAR), gaps[nodes], gap[nodes])
+    normals[nodes] = along / np.hypot(*along.T)[:, None]
+    forces[0, nodes] = (total * normals[nodes]).sum(axis=1)
+    forces[1, nodes] = (total * turned(normals[nodes])).sum(axis=1)
 
 
 def _of_points(pair: OperatorPair, multipliers: Floats, slots: int) -> tuple[Floats, Floats]:

@@ -7,12 +7,23 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.api import ContactAlgorithm, FactoredRows, Floats, FrictionLaw, Ints, Pieces, Rows, State, Surface
+from contactlab.api import (
+    ContactAlgorithm,
+    FactoredRows,
+    Floats,
+    FrictionLaw,
+    Ints,
+    Pieces,
+    PointContact,
+    Rows,
+    State,
+    Surface,
+)
 from contactlab.api.arrays import Flags
 from contactlab.api.compiled.bound_arrays import BoundArrays
 from contactlab.api.derivatives import PieceDerivatives
 from contactlab.api.surface import SurfacePositions
-from contactlab.contact.corner_report import with_corners
+from contactlab.contact.corner_report import corner_pieces, with_corners, with_shares
 from contactlab.contact.corners import Corners
 from contactlab.contact.examination import copies, refuse_written
 from contactlab.contact.pair import ContactPair, ContactSnapshot
@@ -254,9 +265,16 @@ class OperatorPair(ContactPair):
     def snapshot(self, state: State, position: Floats) -> ContactSnapshot:
         """Return the snapshot of every pair, with nodal forces from forces at corners of the master."""
         seen = super().snapshot(state, position)
-        if self.corners is None or not self.corners.touching:
+        if not self.holds_corners:
             return seen
-        return with_corners(self, seen, state["multipliers"])
+        return with_shares(self, seen) if self.corners is None else with_corners(self, seen, state["multipliers"])
+
+    @property
+    def holds_corners(self) -> bool:
+        """True if corners of the master have constraints whose forces reports show at the slave's nodes."""
+        if self.corners is not None:
+            return self.corners.touching
+        return isinstance(self.method, PointContact) and len(corner_pieces(self)) > 0
 
 
 def refuse_wrong(pieces: Pieces, count: Any, slave_nodes: int, master_nodes: int, part: str) -> None:

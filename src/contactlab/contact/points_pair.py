@@ -7,7 +7,7 @@ import numpy as np
 from contactlab.api import Floats, Ints, State
 from contactlab.api.contact_steps import NO_SEGMENT
 from contactlab.contact.operator_pair import OperatorPair
-from contactlab.contact.pair import ContactSnapshot, turned
+from contactlab.contact.pair import ContactPair, ContactSnapshot, turned
 from contactlab.kernels.contact.pair import FAR
 
 
@@ -21,7 +21,7 @@ class PointsPair(OperatorPair):
 
     def snapshot(self, state: State, position: Floats) -> ContactSnapshot:
         """Return the snapshot by nodes: the first multiplier of each node represents all of them, others are open."""
-        points = super().snapshot(state, position)
+        points = ContactPair.snapshot(self, state, position)
         slave, multiplier, share = self._shares()
         m, k = len(self.slave.nodes), self.slots
         cover = np.bincount(slave, share * self.cover[multiplier], m)

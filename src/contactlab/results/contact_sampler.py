@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contactlab.api import Floats, Layout, Step
+from contactlab.api import Floats, Layout, PointContact, Step
 from contactlab.api.compiled.bound_arrays import BoundArrays
 from contactlab.api.contact_steps import contact_record
 from contactlab.contact.operator_pair import OperatorPair
@@ -87,13 +87,13 @@ def _recorder_of(model: Model, pair: ContactPair, columns: dict[str, np.ndarray]
     """Return a function that fills a row of one contact from the model after a step."""
     if not isinstance(pair, OperatorPair) or pair.algorithm.points_press:
         return _by_numpy(model, pair, columns)
-    compiled, corners, curved = _compiled(model, pair, columns), pair.corners, pair.smooth is not None
-    if corners is None and not curved:
+    compiled, curved = _compiled(model, pair, columns), pair.smooth is not None
+    if pair.corners is None and not curved and not isinstance(pair.method, PointContact):
         return compiled
 
     def record(row: int) -> None:
         compiled(row)
-        if curved or (corners is not None and corners.touching):
+        if curved or pair.holds_corners:
             _fill(columns, row, node_values(pair, pair.snapshot(model.state, model.position)))
 
     return record

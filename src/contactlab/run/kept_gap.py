@@ -14,6 +14,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from scipy.sparse.linalg import splu
 
+from contactlab.api import PointContact
+from contactlab.contact.corner_report import corner_pieces
+from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.potential_pair import PotentialPair
 from contactlab.meshing.curves import distances_to_curve, distances_to_facets
 from contactlab.run.stability import linearised
@@ -94,13 +97,19 @@ def kept_gaps(model: ImplicitModel, pairs: list[ContactPair], stored: float) -> 
 
 
 def _of_gaps(model: ImplicitModel, pair: ContactPair) -> _Distances:
-    """Distances of the nodes of conditions that press, 0 of others."""
+    """Distances of pressed nodes, or of corners of the master that are pressed; 0 of other conditions."""
     assert model.contact is not None
     force = np.maximum(0.0, model.state["multipliers"][0, pair.own])
     nodes, apart = pair.slave.nodes[np.arange(len(force)) % len(pair.slave.nodes)], np.zeros(len(force))
     pressed = np.flatnonzero(force)
     points = model.position[nodes[pressed]]
     apart[pressed] = distances_to_curve(points, pair.master, model.position, model.reference)
+    if isinstance(pair, OperatorPair) and isinstance(pair.method, PointContact):
+        at = corner_pieces(pair)
+        slot, corner = pair.pieces.multiplier[at, 0], pair.master.nodes[pair.pieces.master[at, 0]]
+        nodes[slot] = corner
+        off = distances_to_curve(model.position[corner], pair.slave, model.position, model.reference)
+        apart[slot] = np.where(force[slot] > 0.0, off, 0.0)
     apart -= np.where(force > 0.0, model.contact.conditions.gap[pair.own], 0.0)  # what a penalty leaves
     return _Distances(pair, nodes, apart, force, np.zeros((0, 2)))
 
