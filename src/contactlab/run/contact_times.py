@@ -61,7 +61,7 @@ class ContactTimes:
         elif kept:
             done = "steps were cut to follow it, but steps between impacts are too long for the vibrations after it;"
         else:
-            cut = "" if self.springs else " set integrator.impacts = true, or"
+            cut = "" if self.springs or "impact" in self.model.state else " set integrator.impacts = true, or"
             done = f"the speed of rebound depends on the step;{cut}"
         yield RunWarning(
             "few-steps-in-contact", number, limit, key,
