@@ -238,11 +238,12 @@ DEAD_LOADS = {("loads", "kernels")}
 
 
 def test_every_effect_is_seen_declared_and_not() -> None:
-    """Or the test above says nothing about it."""
-    seen = {
-        (row.effect, row.called_for) for name in CASES for row in explain(scene_of(name), default_registry()).effects
-    }
-    assert {(effect, declared) for effect in EFFECTS for declared in (True, False)} <= seen
+    """Or the test above says nothing about it. The last cases, which are made up for it, show nearly all."""
+    missing = {(effect, declared) for effect in EFFECTS for declared in (True, False)}
+    for name in reversed(CASES):
+        if missing:
+            missing -= {(row.effect, row.called_for) for row in explain(scene_of(name), default_registry()).effects}
+    assert not missing
 
 
 @pytest.mark.parametrize("name", some(["disc-on-block", "loaded"], ["loaded"]))

@@ -9,6 +9,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from tiers import some
 
 from contactlab.api import ContactAlgorithm, Potential
 from contactlab.api.part import KINDS
@@ -96,7 +97,7 @@ def test_an_existing_folder_is_left_alone(
     assert not [*(tmp_path / "own-mesh").iterdir()]
 
 
-@pytest.mark.parametrize("start", WAYS["contact"])
+@pytest.mark.parametrize("start", some(WAYS["contact"], ["mortar", "rows", "potential"]))
 def test_contacts_of_every_way_pass_their_checks(
     start: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -23,10 +23,12 @@ LONG = {
     ("implicit-dynamics", "friction_takes_the_energy_of_what_slides"),
 }  # fmt: skip
 """Thousands of steps that iterate."""
+ALIKE = {"linear-hardening", "tip", "slips", "nodal-forces", "overlap-area", "leapfrog-energy"}
+"""Parts that are made like another one: flow as in `power-law`, whose kernels take long to compile, and watches."""
 
 
 def tier(name: str, check: Check) -> tuple[Any, ...]:
-    return (pytest.mark.full,) if (name, check.__name__) in LONG else ()
+    return (pytest.mark.full,) if name in ALIKE or (name, check.__name__) in LONG else ()
 
 
 CASES = [

@@ -106,7 +106,7 @@ def test_exit_while_building_is_a_wrong_part(parts: Path, tmp_path: Path, capsys
     ("how", "words"),
     [
         ("crash", ["the interpreter crashed (Segmentation fault)", "leaving_parts.py", "in stress"]),
-        ("leave", ["the process ended without a message"]),
+        pytest.param("leave", ["the process ended without a message"], marks=pytest.mark.full),
     ],
 )
 def test_a_crash_leaves_a_summary_and_says_where(parts: Path, tmp_path: Path, how: str, words: list[str]) -> None:
