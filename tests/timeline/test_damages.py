@@ -12,13 +12,14 @@ import h5py
 import numpy as np
 import pytest
 from damages import damage, everything, outcome
+from tiers import some
 
 import contactlab
 from contactlab.errors import RequestError
 from contactlab.run.simulation import simulate
 
 MakeScene = Callable[..., Any]
-DAMAGES = 40
+DAMAGES = 20
 GOOD = ("as before", "told", "told, some salvaged")
 
 
@@ -45,16 +46,19 @@ def test_random_damage_is_told_or_without_effect(stored: Path, tmp_path: Path) -
     assert seen.get("told, some salvaged", 0) >= 1, seen  # most of so small a file tells what is where
 
 
+TABLES = [
+    ("VTKHDF/PointData/displacement", "frame 7"),
+    ("VTKHDF/CellData/stress", "frame 7"),
+    ("VTKHDF/Points", "frame 7"),
+    ("contactlab/contacts/contacts.0/curves", "frame 7"),
+    ("contactlab/history", "frame 7"),
+    ("contactlab/steps", "1 of"),
+]
+
+
 @pytest.mark.parametrize(
     ("place", "lost"),
-    [
-        ("VTKHDF/PointData/displacement", "frame 7"),
-        ("VTKHDF/CellData/stress", "frame 7"),
-        ("VTKHDF/Points", "frame 7"),
-        ("contactlab/contacts/contacts.0/curves", "frame 7"),
-        ("contactlab/history", "frame 7"),
-        ("contactlab/steps", "1 of"),
-    ],
+    some(TABLES, [TABLES[0], TABLES[2], TABLES[5]]),
 )
 def test_each_table_has_checksums(place: str, lost: str, stored: Path, tmp_path: Path) -> None:
     """One number changed the way a program could: HDF5 itself finds nothing wrong."""

@@ -52,20 +52,16 @@ def in_a_process(seed: str, *scenes: Any, folder: Path) -> Path:
 @pytest.mark.parametrize(
     "changes", [FRICTION, pytest.param(STATICS, marks=pytest.mark.full)], ids=["explicit, friction", "newton"]
 )
-def test_three_processes_compute_the_same_bits(
+def test_processes_compute_the_same_bits(
     changes: dict[str, Any], small_scene: MakeScene, tmp_path: Path, assert_same_run: Assert, assert_same_files: Assert
 ) -> None:
-    """Here, in a process of its own, and in one that ran something else before; sets are in another order in each."""
+    """Here, and in a process that ran something else before, with more threads; sets are in another order in each."""
     scene = small_scene({"contacts.0.algorithm": "mortar-p1", **changes})
     first = simulate(scene, tmp_path / "here")
-    others = (
-        in_a_process("1", scene, folder=tmp_path / "alone"),
-        in_a_process("2", scene.with_(BEFORE), scene.with_({"threads": 2}), folder=tmp_path / "later"),
-    )
-    for other in others:
-        assert_same_run(first, contactlab.load_results(other))
-        for name in ("history.csv", "contact.csv"):
-            assert (other / name).read_bytes() == (tmp_path / "here" / name).read_bytes(), name
+    other = in_a_process("2", scene.with_(BEFORE), scene.with_({"threads": 2}), folder=tmp_path / "later")
+    assert_same_run(first, contactlab.load_results(other))
+    for name in ("history.csv", "contact.csv"):
+        assert (other / name).read_bytes() == (tmp_path / "here" / name).read_bytes(), name
 
 
 @pytest.mark.full

@@ -31,7 +31,7 @@ pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="children that a
 MakeScene = Callable[..., Any]
 Assert = Callable[[Any, Any], None]
 
-KILLS = 3
+KILLS = 2
 """Different frames after which a run is killed, of the 20 that `make test FULL=1` makes."""
 
 TRIES = 6
@@ -301,6 +301,7 @@ def test_steps_behind_the_last_saved_state_are_made_again(
     assert np.array_equal(contactlab.load_results(folder).steps["step"], whole.steps["step"])
 
 
+@pytest.mark.full
 def test_a_disk_that_is_full_at_the_very_end_is_told_once(
     small_scene: MakeScene,
     tmp_path: Path,

@@ -63,8 +63,7 @@ VARIANTS: dict[str, dict[str, Any]] = {
 }
 
 ALWAYS = {
-    "coulomb, node-on-segment", "power-law", "q2", "settling", "parts of the contact work, consistent",
-    "newton, augmented-lagrangian, friction", "implicit-dynamics, friction",
+    "coulomb, node-on-segment", "power-law", "newton, augmented-lagrangian, friction", "implicit-dynamics, friction",
 }  # fmt: skip
 
 
