@@ -91,6 +91,7 @@ class TestRun:
         with Path("out/contact.csv").open() as file:
             assert len(list(csv.DictReader(file))) == 13  # nodes of the block's top, now the slave
 
+    @pytest.mark.full
     def test_a_simulation_that_fails_returns_1_and_keeps_what_it_has(
         self, in_folder: Path, capsys: pytest.CaptureFixture[str]
     ) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tiers import some
 
 from contactlab.accuracy import judged as judging
 from contactlab.accuracy.choose import LEVELS, Chosen, Wish, choose_plan
@@ -92,8 +93,9 @@ def chosen(make: Callable[[Run], Record], error: float, scene: Scene = SCENE, se
     return found
 
 
-@pytest.mark.parametrize("seed", range(3))
-@pytest.mark.parametrize("error", [0.07, 0.03])
+@pytest.mark.parametrize(
+    ("error", "seed"), some([(error, seed) for error in (0.07, 0.03) for seed in range(3)], [(0.07, 2), (0.03, 1)])
+)
 def test_the_promise_is_kept_at_nearly_the_least_cost(error: float, seed: int) -> None:
     world = World(seed)
     found = chosen(world, error)

@@ -45,6 +45,8 @@ def test_a_bundled_scene_has_an_exact_pressure() -> None:
     assert REFERENCE.mismatch(scene.data) == ""
     np.testing.assert_allclose(REFERENCE.solution(scene.data).pressure, 12.5)
     results = contactlab.simulate(scene.with_({"record.recorders": []}))
+    assert results.status == "finished", results.reason
+    assert not results.warnings
     np.testing.assert_allclose(results.contact["contacts.0"].last.pressure, 12.5, rtol=1e-6)
 
 

@@ -100,6 +100,7 @@ def test_a_load_beyond_what_friction_can_carry_is_told_as_a_limit(push: float, h
         assert 99.0 < float(told[1]) <= 100.0
 
 
+@pytest.mark.full
 def test_a_limit_load_is_met_and_named_where_the_load_bends_what_it_slides_on() -> None:
     """A block pressed by 1 N and pushed at one end by up to 0.35: mu = 0.3 holds until 0.3/0.35 of it.
 

@@ -38,7 +38,7 @@ value = st.recursive(
 )
 
 
-@settings(deadline=None, max_examples=100)
+@settings(deadline=None, max_examples=50)
 @given(st.sampled_from(ALL), value)
 def test_any_value_anywhere(path: tuple[Any, ...], new: Any) -> None:
     data = copy.deepcopy(BASE.data)

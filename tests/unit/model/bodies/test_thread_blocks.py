@@ -79,7 +79,7 @@ FULL = pytest.mark.full
 @pytest.mark.parametrize(
     "changes",
     [
-        {"contacts.0.friction": {"use": "coulomb", "mu": 0.2}},
+        pytest.param({"contacts.0.friction": {"use": "coulomb", "mu": 0.2}}, marks=FULL),
         pytest.param({"bodies.block.element": "q1-fbar", "bodies.disc.element": "q1-reduced"}, marks=FULL),
         pytest.param({"bodies.block.element": "q2", "materials.soft.use": "hypoelastic"}, marks=FULL),
         pytest.param(

@@ -76,8 +76,8 @@ def ellipse(half_width: float, centre: float, by: str = "x") -> dict[str, Any]:
 )
 def test_a_half_ellipse_has_its_resultant_and_its_place(load: dict[str, Any], element: str) -> None:
     """3 pi b/2 at its centre: three points of each edge gave -100 % to 242 %."""
-    for half_width in (0.1, 0.05, 0.02):
-        for centre in (0.0, 0.13, 0.25, -1.01):
+    for half_width in (0.1, 0.02):
+        for centre in (0.13, -1.01):
             model = made(element=element, loads=[{"on": "b.top", "profile": ellipse(half_width, centre), **load}])
             found = forces(model)[:, 1]
             assert found.sum() == pytest.approx(-1.5 * np.pi * half_width, rel=1e-9)
