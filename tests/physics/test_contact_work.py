@@ -41,7 +41,9 @@ def stepped(name: str, forces: str, algorithm: str, changes: dict[str, Any], ste
 
 @pytest.mark.parametrize("forces", ["frozen", "consistent"])
 @pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1", "node-on-segment"])
-@pytest.mark.parametrize("changes", [{}, FRICTION], ids=["frictionless", "friction"])
+@pytest.mark.parametrize(
+    "changes", [pytest.param({}, marks=pytest.mark.full), FRICTION], ids=["frictionless", "friction"]
+)
 def test_parts_add_up_to_the_work_of_contact(forces: str, algorithm: str, changes: dict[str, Any]) -> None:
     stepped("disc-on-block", forces, algorithm, {**FAST, **changes}, 120)
 

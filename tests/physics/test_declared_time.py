@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tiers import some
 
 from contactlab.api import Step
 from contactlab.errors import SceneError
@@ -76,10 +77,16 @@ def later(times: dict[str, Any], factor: float) -> dict[str, Any]:
     return found | ({"points": [[factor * t, f] for t, f in times["points"]]} if "points" in times else {})
 
 
+EXPLICIT, STATIC = ("central-difference", 1.0), ("newton", 3.0 / LATE)
+AUTOMATIC = [*((how, *use) for use in (EXPLICIT, STATIC) for how in TIMES)]
+
+
 @pytest.mark.parametrize(
     ("how", "integrator", "factor"),
-    [(how, use, factor) for use, factor in (("central-difference", 1.0), ("newton", 3.0 / LATE)) for how in TIMES]
-    + [pytest.param("duration", IMPLICIT, 0.3, marks=pytest.mark.full)],
+    [
+        *some(AUTOMATIC, [("table", *EXPLICIT), *((how, *STATIC) for how in TIMES)]),
+        pytest.param("duration", IMPLICIT, 0.3, marks=pytest.mark.full),
+    ],
 )
 def test_an_automatic_end_does_not_cut_a_support(how: str, integrator: Any, factor: float, pressed: float) -> None:
     """1 %: what reactions may still swing by when a run is called settled is 2e-4."""

@@ -56,8 +56,7 @@ EACH = [(shape, name, swap) for shape in TIPS for name in ("mortar-p0", "mortar-
 """By shape, algorithm, and whether the plate is the slave."""
 SOME = [
     ("end of a beam", "mortar-p0", False), ("edge of a block", "mortar-p1", True),
-    ("corner of a block", "mortar-p1", False), ("corner of a block", "node-on-segment", True),
-    ("end of a beam", "node-on-segment", False),
+    ("corner of a block", "node-on-segment", True),
 ]  # fmt: skip
 
 

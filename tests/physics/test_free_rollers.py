@@ -54,7 +54,7 @@ ALGORITHMS = ["mortar-p0", "mortar-p1", "mortar-dual", "gauss-point"]
 EACH = [(algorithm, exchanged) for algorithm in ALGORITHMS for exchanged in SLAVES]
 
 
-@pytest.mark.parametrize(("algorithm", "exchanged"), some(EACH, list(zip(ALGORITHMS, SLAVES, strict=True))))
+@pytest.mark.parametrize(("algorithm", "exchanged"), some(EACH, [("mortar-p1", (0,)), ("gauss-point", (0, 1))]))
 def test_a_roller_between_plates_takes_few_iterations(algorithm: str, exchanged: tuple[int, ...]) -> None:
     """No load step is cut, and nothing leans: forces along the plates, which symmetry forbids, are round-off."""
     results = rolled(algorithm, exchanged)

@@ -110,6 +110,7 @@ def test_viscous_friction_slows_a_block_in_explicit_steps(algorithm: str) -> Non
     assert errors[1] < 0.01
 
 
+@pytest.mark.full
 def test_viscous_friction_slows_a_block_in_implicit_steps() -> None:
     """Bounds are those of the mean rate of their step."""
     assert error_of_a_slide({"use": "implicit-dynamics", "impacts": False}, 60, "mortar-p1") < 0.005

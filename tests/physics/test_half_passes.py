@@ -80,7 +80,7 @@ def run(scene: Scene) -> Results:
 
 @pytest.mark.parametrize(
     "integrator",
-    some(["newton", "implicit-dynamics", "central-difference"], ["newton", "central-difference"]),
+    some(["newton", "implicit-dynamics", "central-difference"], ["newton"]),
 )
 def test_forces_do_not_know_which_side_is_the_slave(integrator: str) -> None:
     """A narrow block that slides on a wide one under friction; explicit steps differ by round-off alone."""
@@ -190,7 +190,7 @@ def test_what_slides_carries_mu_times_its_pressure_on_both_sides() -> None:
     assert balance["external"] == pytest.approx(balance["stored"] + balance["friction"] - balance["contact"], rel=1e-9)
 
 
-@pytest.mark.parametrize("integrator", ["newton", "central-difference"])
+@pytest.mark.parametrize("integrator", some(["newton", "central-difference"], ["central-difference"]))
 def test_what_sticks_is_nearly_as_stiff_as_with_a_mortar(integrator: str) -> None:
     """Springs of shear as stiff as those of pressure give way by a fifteenth of what a block does."""
     changes = {} if integrator == "newton" else {"time.end": 4e-4}

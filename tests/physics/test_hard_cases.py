@@ -50,7 +50,7 @@ ON_THE_PAGE = {(row["case"], row["contact"], row["measure"]): row for row in cas
 
 CASES = default_registry().names("case")
 CELLS = [(name, algorithm) for name in CASES for algorithm in ("mortar-p0", "mortar-p1", "node-on-segment")]
-EVERY_TIME = {name for name, algorithm in SILENT if algorithm == "node-on-segment"} | {"forging", "nafems-cgs1"}
+EVERY_TIME = {name for name, algorithm in SILENT if algorithm == "node-on-segment"} | {"nafems-cgs1"}
 """Cases of which the test says more of node-on-segment than what is on the page; all take part with FULL=1."""
 BY_NODES = {"rocking-block", "vertex-to-vertex", "pulled-strip"}
 """Cases for which node-on-segment stands in every tier; in all others the mortars take turns (conftest.py)."""
@@ -58,13 +58,15 @@ LONG = {
     "block-on-incline": "test_shipped_scenes.py", "bouncing-bar": "test_implicit_dynamics.py",
     "corner-slide": "test_leaning_forces.py",
     "disc-on-block": "test_disc_on_block.py", "disc-with-friction": "test_statics_disc.py",
-    "forging": "test_rounded_billet.py", "initial-overlap": "test_even_compression.py",
-    "mesh-ratio": "the case mesh-ladder", "resting-block": "test_shipped_scenes.py",
+    "elastic-punch": "the case sliding-punch", "forging": "test_rounded_billet.py",
+    "initial-overlap": "test_even_compression.py", "ironing": "test_statics_cases.py", "long-run": "test_energy.py",
+    "mesh-ratio": "the case mesh-ladder", "oblique-discs": "test_implicit_curved.py and test_impacts.py",
+    "prandtl-punch": "test_laws_runs.py", "resting-block": "test_shipped_scenes.py",
     "rolling-disc": "test_friction_steps.py", "spinning-pair": "test_case_invariance.py",
     "stack": "test_shipped_scenes.py", "stiffness-contrast": "the case unlike-layers", "two-beams": "test_bars.py",
     "wall-impact": "test_bars.py",
 }  # fmt: skip
-"""Cases that take seconds with a mortar, and the test or case that has the like in every tier."""
+"""Cases that take seconds with a mortar, and the tests or the case that have the like in every tier."""
 ALWAYS = [
     (name, algorithm) for name, algorithm in CELLS
     if (name in EVERY_TIME | BY_NODES if algorithm == "node-on-segment" else name not in BY_NODES and name not in LONG)

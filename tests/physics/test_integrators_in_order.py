@@ -50,8 +50,8 @@ def tried(found: Results) -> list[tuple[str, str]]:
 @pytest.mark.parametrize(
     ("statics", "ended"),
     [
-        # stabilised: 18 % of the work is viscous
-        ({"use": "newton", "steps": 11}, "finished"),
+        # stabilised: 18 % of the work is viscous; test_stabilised_statics.py has it in every tier
+        pytest.param({"use": "newton", "steps": 11}, "finished", marks=pytest.mark.full),
         # given up at a fifth of the load
         ({"use": "newton", "steps": 11, "stabilised": False}, "not-converged"),
     ],
@@ -128,7 +128,7 @@ def test_a_load_that_friction_cannot_hold_is_a_motion_and_told_as_one() -> None:
     """0.25 pulls and 0.2 holds: the rest of 0.05 grows evenly to t = 4e-4 s, so that v = F t/2m and x = F t^2/6m."""
     end = 4e-4
     found = run(
-        BLOCK, "newton", {"use": "implicit-dynamics", "steps": 100}, loads=PULLED, contacts=RUBBING, time={"end": end}
+        BLOCK, "newton", {"use": "implicit-dynamics", "steps": 50}, loads=PULLED, contacts=RUBBING, time={"end": end}
     )
     assert found.status == "finished"
     assert tried(found) == [("newton", "not-converged")]
@@ -141,6 +141,7 @@ def test_a_load_that_friction_cannot_hold_is_a_motion_and_told_as_one() -> None:
     assert warning.value == pytest.approx(balance["kinetic"] / balance["external"], rel=1e-9)
 
 
+@pytest.mark.full
 def test_a_state_of_rest_that_there_is_none_of_is_reported_with_every_reason() -> None:
     """Explicit steps get furthest; the floor ends under the block that slides on it."""
     found = run(BLOCK, "newton", "central-difference", loads=PULLED, contacts=RUBBING)

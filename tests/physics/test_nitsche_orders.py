@@ -156,7 +156,7 @@ def hertz(n: int, element: str, enforcement: Any) -> Run:
 
 PROBLEMS = {"two_rings": two_rings, "hertz": hertz}
 COARSE = {("two_rings", "q1"): 12, ("two_rings", "q2"): 6, ("hertz", "q1"): 16, ("hertz", "q2"): 8}
-FINE = {"two_rings": 48, "hertz": 64}
+FINE = {"two_rings": 48, "hertz": 48}
 ORDERS = {"q1": 0.9, "q2": 1.4}
 
 

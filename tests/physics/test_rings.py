@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from contactlab_cases.rings import TwoRings
 from contactlab_cases.two_rings import RADII, STEEL
+from tiers import some
 
 from contactlab.api import Setup
 from contactlab.cases.run_case import evaluated, run_case
@@ -42,7 +43,7 @@ def test_the_carried_pressure_has_second_order_with_the_finer_side_as_slave(algo
     assert found["order of the reported pressure"] == pytest.approx(1.0, abs=0.1)
 
 
-@pytest.mark.parametrize("mean", [1e-2, 1e-4])
+@pytest.mark.parametrize("mean", some([1e-2, 1e-4], [1e-4]))
 @pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1"])
 def test_a_small_load_is_solved_as_exactly_as_a_large_one(algorithm: str, mean: float) -> None:
     """Displacements are 1e-6 of a segment, and below: gaps of 1e-8 of a segment are then much of the contact force.

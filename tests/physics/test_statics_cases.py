@@ -87,6 +87,7 @@ def ironed(algorithm: str, swap: bool) -> tuple[float, float]:
     return float(-fy[-1]), float(fx[-1])
 
 
+@pytest.mark.full
 def test_ironing_with_the_foundation_as_slave() -> None:
     """Coarse and short of the whole path: forces in the range of the published ones."""
     vertical, horizontal = ironed("mortar-p0", True)

@@ -31,7 +31,7 @@ def pressure_difference(a: ContactCurve, b: ContactCurve) -> float:
     ("changes", "algorithm", "swap", "steps"),
     [
         pytest.param(FRICTION, "mortar-p0", False, 20, id="elastic-friction", marks=pytest.mark.full),
-        pytest.param(FRICTION, "mortar-p1", True, 20, id="elastic-friction-swapped"),
+        pytest.param(FRICTION, "mortar-p1", True, 20, id="elastic-friction-swapped", marks=pytest.mark.full),
         # flow that turns is of second order in the load step: of first order it would need 80 for as much
         pytest.param(PLASTIC, "mortar-p0", False, 30, id="power-law", marks=pytest.mark.full),
     ],

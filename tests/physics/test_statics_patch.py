@@ -71,6 +71,10 @@ def squeezed(results: Results, depth: float) -> Floats:
     return np.stack([np.zeros(len(results.nodes)), -depth * results.nodes[:, 1]], axis=1)
 
 
+FURTHER = (4, 5), (3, 10)
+"""Numbers of segments of both sides in the full tier."""
+
+
 def stress_error(results: Results, exact: Floats) -> float:
     stress = np.concatenate([values.reshape(-1, 4) for values in results.stress.values()])
     return float(np.abs(stress - exact).max() / np.abs(exact).max())
@@ -79,7 +83,9 @@ def stress_error(results: Results, exact: Floats) -> float:
 @MORTAR
 @SWAP
 @pytest.mark.parametrize("element", ["q1", "q2", "q2-lagrange"])
-@pytest.mark.parametrize("cells", [(4, 5), (4, 7), (3, 10), (1, 10)], ids=str)
+@pytest.mark.parametrize(
+    "cells", [(4, 7), (1, 10), *(pytest.param(n, marks=pytest.mark.full) for n in FURTHER)], ids=str
+)
 def test_flat_patch(algorithm: str, swap: bool, element: str, cells: tuple[int, int]) -> None:
     results = simulate(flat(*cells, algorithm=algorithm, swap=swap, element=element))
     assert results.status == "finished"

@@ -102,6 +102,7 @@ def test_with_friction_contact_finds_its_edge_sooner(monkeypatch: pytest.MonkeyP
     assert found == pytest.approx(expected, abs=1e-6 * expected.max())  # steps are exact to 1e-8
 
 
+@pytest.mark.full
 def test_the_forging_begins_in_few_iterations() -> None:
     """A quarter of its way, where contact is made: eight iterations a step, and hardly a step in vain.
 

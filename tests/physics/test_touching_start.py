@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tiers import some
 
 import contactlab
 from contactlab.errors import SceneError
@@ -18,6 +19,9 @@ Q2 = {
     "bodies.disc.mesh.cells": [8, 2],
     "bodies.block.mesh.cells": [12, 2],
 }
+
+
+FORCES = "frozen", "consistent"
 
 
 def touching(forces: str = "frozen", **more: Any) -> Scene:
@@ -43,8 +47,10 @@ def test_the_weak_gap_of_the_start_is_that_of_the_facets_and_counts_as_none(cell
     assert abs(pair.gaps[:, 0].min()) < 1e-15
 
 
-@pytest.mark.parametrize("forces", ["frozen", "consistent"])
-@pytest.mark.parametrize("swap", [False, True])
+@pytest.mark.parametrize(
+    ("forces", "swap"),
+    some([(forces, swap) for forces in FORCES for swap in (False, True)], [("frozen", False), ("consistent", True)]),
+)
 def test_the_end_is_that_of_statics_and_contact_has_made_no_blow(forces: str, swap: bool) -> None:
     """Pressed by 0.02, with an overlap of up to 9e-4: it counts in full at the end, as in statics, which has it too.
 
@@ -63,6 +69,7 @@ def test_the_end_is_that_of_statics_and_contact_has_made_no_blow(forces: str, sw
     assert "facet_overlap" not in static.summary["contacts"]["contacts.0"]
 
 
+@pytest.mark.full
 def test_a_slow_run_with_friction_is_not_stopped() -> None:
     """At the slow pace almost nothing is stored when the overlap is met: pushed out at once, it was 80 % of all."""
     changes = {"supports.1.uy.to": -0.04, "contacts.0.friction": {"use": "coulomb", "mu": 0.2}}
