@@ -170,8 +170,8 @@ DEFECTS: dict[str, tuple[Plant, Scenario]] = {
     ),
     "nodes have the half of each point": (around(PointsPair, "_shares", halves), contact.hertz),
 }  # fmt: skip
-QUICK = {"one side counts a tenth too much", "lengths of the other side", "directions of one pass alone"}
-"""Those that every tier plants, one for each check of statics; all others only the full one."""
+QUICK = {"lengths of the other side", "directions of one pass alone"}
+"""Those that every tier plants, one for each check that is quick; all others only the full one."""
 
 
 @pytest.fixture(scope="module")
