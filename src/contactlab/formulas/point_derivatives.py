@@ -13,10 +13,9 @@ from contactlab.api.compiled.kernel import kernel, point, section
 from contactlab.api.compiled.unpack import unpack
 from contactlab.api.segments import MasterSegment, SlavePoint
 from contactlab.api.tensors import Vector
-from contactlab.formulas.class_kernels import PARAMETERS
 from contactlab.formulas.point_kernels import DerivedPoints, Points, TurnedPoints, gauss_point, measure
 from contactlab.formulas.point_pieces import ALONE, FOOT, POINTS, in_wedge, parabola, tangent_at
-from contactlab.formulas.segment_kernels import trace
+from contactlab.formulas.segment_kernels import PARAMETERS, trace
 from contactlab.formulas.segment_normals import edge_between, inward_normals, neighbours, node, normal_derivatives
 
 MOST_NODES = 16  # of a piece: the slave's edges on both sides of a node with their neighbours, and the master's edge

@@ -1,6 +1,6 @@
 """Contact at points: the master segment or vertex in contact with each node, or Gauss point, of the slave.
 
-Slots as in `point_pieces` and PARAMETERS as in `class_kernels`; HOLD, `hold_nodes` or `hold_gauss_points`.
+Slots as in `point_pieces` and PARAMETERS as in `segment_kernels`; HOLD, `hold_nodes` or `hold_gauss_points`.
 """
 
 from __future__ import annotations
@@ -17,11 +17,10 @@ from contactlab.api.compiled.kernel import kernel, section
 from contactlab.api.compiled.unpack import unpack
 from contactlab.api.segments import SlavePoint
 from contactlab.api.tensors import Vector
-from contactlab.formulas.class_kernels import PARAMETERS, View
 from contactlab.formulas.point_corners import find_corners, put_corners, stands_for
 from contactlab.formulas.point_pieces import ABSCISSAE, ALONE, EDGE, LEAVE, POINTS, SHARP, faces, foot, hold, kink
-from contactlab.formulas.segment_kernels import trace
-from contactlab.formulas.segment_normals import inward_normals, node, turn_normals
+from contactlab.formulas.segment_kernels import PARAMETERS, trace
+from contactlab.formulas.segment_normals import View, inward_normals, node, turn_normals
 
 (HOLD,) = slots("HOLD")
 FLANK = 0.2  # cosine: the gap of a Gauss point counts along the slave's normal, unlike its projection

@@ -13,9 +13,8 @@ from contactlab.api.compiled.formulas import Slot
 from contactlab.formulas import point_derivatives as changes
 from contactlab.formulas import point_kernels as kernels
 from contactlab.formulas import point_pieces as single
-from contactlab.formulas.class_kernels import ClassKernels, binder, gauss_rule
 from contactlab.formulas.point_kernels import DerivedPoints, Points, TurnedPoints
-from contactlab.formulas.segments import arrays_of, averaged_normals
+from contactlab.formulas.segments import ClassKernels, arrays_of, averaged_normals, binder, gauss_rule
 
 DEPTH = 1.0
 """Deepest push by a correction, in longest segment lengths of both sides: a deeper point is on the far side."""

@@ -18,14 +18,16 @@ from contactlab.api.compiled.kernel import kernel, point, section
 from contactlab.api.compiled.unpack import unpack
 from contactlab.api.segments import MasterSegment, SlaveSegment
 from contactlab.api.tensors import Vector
-from contactlab.formulas.class_kernels import PARAMETERS, Derived, Separated
 from contactlab.formulas.segment_kernels import (
     BASIS,
     COVERED,
     OVERLAP,
+    PARAMETERS,
     PARTS,
     QUADRATIC_POINTS,
     QUADRATIC_WEIGHTS,
+    Derived,
+    Separated,
     cut,
     facing,
     place_in_span,

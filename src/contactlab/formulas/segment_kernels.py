@@ -10,17 +10,22 @@ Multipliers span a slave segment; multipliers at the ends of quadratic edges spa
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
+from contactlab.api import GapGradients, PieceDerivatives
+from contactlab.api.compiled.bound_arrays import Floats2, Ints1
 from contactlab.api.compiled.formulas import methods_of, slots
 from contactlab.api.compiled.kernel import kernel, point, section
+from contactlab.api.compiled.records import column
 from contactlab.api.compiled.unpack import unpack
 from contactlab.api.mathematics import sqrt
 from contactlab.api.segments import MasterSegment, SlaveSegment
 from contactlab.api.tensors import Vector
-from contactlab.formulas.class_kernels import PARAMETERS, Both
-from contactlab.formulas.segment_normals import inward_normals, turn_normals
+from contactlab.formulas.segment_normals import Both, inward_normals, turn_normals
 
+PARAMETERS, FIELDS = slots("PARAMETERS", "FIELDS")
 OVERLAP, BASIS, PARTS, BREAKS, COVERED = slots("OVERLAP", "BASIS", "PARTS", "BREAKS", "COVERED")
 POINTS, WEIGHTS, QUADRATIC_POINTS, QUADRATIC_WEIGHTS = slots(
     "POINTS", "WEIGHTS", "QUADRATIC_POINTS", "QUADRATIC_WEIGHTS"
@@ -35,6 +40,34 @@ NONE = np.uint32(0xFFFFFFFF)  # no node. Numbers without sign spare the test for
 
 for _kind in (SlaveSegment, MasterSegment):
     methods_of(_kind)
+
+
+class Derived(NamedTuple):
+    """`Both` with the derivatives."""
+
+    both: Both
+    changes: PieceDerivatives
+
+
+class Separated(NamedTuple):
+    """`Both` with the owner and the separation of each multiplier, and the gradients."""
+
+    both: Both
+    owner: Ints1
+    separation: Floats2
+    gradients: GapGradients
+
+
+@point
+def no_parameters(numbers):
+    """Return the parameters of an algorithm that has none."""
+    return 0.0
+
+
+@point
+def parameters(numbers):
+    """Return the parameters of an algorithm that has some."""
+    return column(numbers, 0, FIELDS)
 
 
 # --- geometry ---------------------------------------------------------------------------------------------------------

@@ -6,23 +6,59 @@ which friction sees; as a free side folds onto a die, the last node of the fold 
 half of the angle of the flanks. There forces act along the master's mean normal. Ends that lean by no more than the
 surfaces turn from one segment to the next, as at planes of symmetry, keep their own: half of an even pressure on their
 segment acts along it.
+
+A view of a contact and its pieces are a `Both`, with the names of the contract.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
+from contactlab.api import Pieces, Surface
+from contactlab.api.compiled.bound_arrays import Floats2, Ints1
 from contactlab.api.compiled.dual import derivatives, seed
 from contactlab.api.compiled.kernel import kernel, point, section
 from contactlab.api.compiled.unpack import unpack
 from contactlab.api.mathematics import sqrt
 from contactlab.api.tensors import Vector
-from contactlab.formulas.class_kernels import Both
 
 LEAN = (0.25, 1.0)  # squared lean to the master's normal over its tolerance: none below, all above
 LEAST = 0.004**2  # tolerance of the squared sine: 2 % of friction at mu = 0.2
 TURN = (0.12**2, 0.2**2)  # squared sine by which the slave turns more than the master: none below, all above
 SPREAD = 25.0  # weight of the squared sine of the master's turn within the overlap of a node, against its own
+
+
+class At(NamedTuple):
+    """Positions of the nodes of both sides [mm]."""
+
+    slave: Floats2
+    master: Floats2
+
+
+class Near(NamedTuple):
+    """Master segments near slave segment s: master[start[s]:start[s + 1]]."""
+
+    start: Ints1
+    master: Ints1
+
+
+class View(NamedTuple):
+    """A `ContactView`."""
+
+    slave: Surface
+    master: Surface
+    at: At
+    near: Near
+
+
+class Both(NamedTuple):
+    """A view, its pieces, and the numbers (n, 1) among the fields of the algorithm."""
+
+    sides: View
+    out: Pieces
+    numbers: Floats2
 
 
 # --- averages ---------------------------------------------------------------------------------------------------------

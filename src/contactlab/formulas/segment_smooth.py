@@ -9,7 +9,6 @@ import numpy as np
 
 from contactlab.api.compiled.kernel import kernel, section
 from contactlab.api.compiled.unpack import unpack
-from contactlab.formulas.class_kernels import PARAMETERS, Both
 from contactlab.formulas.segment_derivatives import (
     MOST_NODES,
     NUMBERS,
@@ -24,12 +23,14 @@ from contactlab.formulas.segment_kernels import (
     BASIS,
     CUBIC_POINTS,
     CUBIC_WEIGHTS,
+    PARAMETERS,
     PARTS,
     cut,
     facing,
     master_segment,
     slave_segment,
 )
+from contactlab.formulas.segment_normals import Both
 from contactlab.kernels.contact.smooth import hermite
 
 
