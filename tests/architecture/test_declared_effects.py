@@ -172,10 +172,8 @@ def working(modules: Iterable[str]) -> set[str]:
 NODES = {"contacts.0.algorithm": "node-on-segment"}
 
 
-FULL = pytest.mark.full
-
-
-@pytest.mark.parametrize("changes", [pytest.param({}, marks=FULL), pytest.param(NODES, marks=FULL), COULOMB])
+@pytest.mark.full
+@pytest.mark.parametrize("changes", [{}, NODES, COULOMB])
 def test_a_run_imports_the_packages_that_explain_lists(changes: dict[str, Any]) -> None:
     wanted = scene(SHORT | changes)
     packages = {row.package for row in explain(wanted, default_registry()).modules}

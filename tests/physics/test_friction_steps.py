@@ -77,7 +77,7 @@ def rolled(steps: int) -> Results:
 
 def test_rolling_in_steps_that_exchange_much_of_the_contact_is_told() -> None:
     """Friction of nodes that enter and stick follows from slips of the whole step: 10 % of the force and more."""
-    coarse, fine = rolled(10), rolled(80)
+    coarse, fine = rolled(10), rolled(50)
     shear = [results.summary["contacts"]["contacts.0"]["resultant"][0] for results in (coarse, fine)]
     assert abs(shear[0] / shear[1] - 1.0) > 0.1
     told = [{warning.code for warning in results.warnings} for results in (coarse, fine)]

@@ -144,8 +144,8 @@ def test_only_normals_that_turn_give_energy(tmp_path: Path) -> None:
     that is brought to four segments per quarter of a circle, 1 % with eight. Explicit runs make 14 and 4 % there.
     Halving the cells is to take at least three quarters of it, for an error of second order.
     """
-    coarse = works(4, 3, 100, tmp_path)
-    fine = works(8, 6, 100, tmp_path)
+    coarse = works(4, 3, 50, tmp_path)
+    fine = works(8, 6, 50, tmp_path)
     # gaps are zero at the end of a step within 1e-8 of a segment
     assert max(coarse[0], fine[0]) < 1e-6
     assert 0.0 < fine[1] < 0.25 * coarse[1]

@@ -193,6 +193,7 @@ def test_repeated_runs_report_the_median_cost(tmp_path: Path) -> None:
     assert row["cpu_s"] > 0.0
 
 
+@pytest.mark.full
 def test_a_script_needs_no_guard(tmp_path: Path, fake_source: str) -> None:
     (tmp_path / "fake_runs.py").write_text(fake_source)
     script = tmp_path / "script.py"
