@@ -65,6 +65,7 @@ def test_an_arch_snaps_through_under_its_load_and_ends_where_it_would_without_vi
     np.testing.assert_allclose(other.displacement, found.displacement, atol=1e-6)
 
 
+@pytest.mark.full
 def test_without_stabilisation_statics_stop_there_and_say_why() -> None:
     stopped = arch(steps=7, stabilised=False)
     assert stopped.status == "not-converged"
