@@ -52,13 +52,18 @@ def in_a_process(seed: str, *scenes: Any, folder: Path) -> Path:
 @pytest.mark.parametrize(
     "changes", [FRICTION, pytest.param(STATICS, marks=pytest.mark.full)], ids=["explicit, friction", "newton"]
 )
+@pytest.mark.parametrize("alone", [False, pytest.param(True, marks=pytest.mark.full)], ids=["later", "alone"])
 def test_processes_compute_the_same_bits(
-    changes: dict[str, Any], small_scene: MakeScene, tmp_path: Path, assert_same_run: Assert, assert_same_files: Assert
+    changes: dict[str, Any], alone: bool, small_scene: MakeScene, tmp_path: Path, assert_same_run: Assert
 ) -> None:
-    """Here, and in a process that ran something else before, with more threads; sets are in another order in each."""
+    """Here, and in a process of its own, or in one that ran something else before and has more threads.
+
+    Sets are in another order in each.
+    """
     scene = small_scene({"contacts.0.algorithm": "mortar-p1", **changes})
     first = simulate(scene, tmp_path / "here")
-    other = in_a_process("2", scene.with_(BEFORE), scene.with_({"threads": 2}), folder=tmp_path / "later")
+    seed, scenes = ("1", [scene]) if alone else ("2", [scene.with_(BEFORE), scene.with_({"threads": 2})])
+    other = in_a_process(seed, *scenes, folder=tmp_path / "other")
     assert_same_run(first, contactlab.load_results(other))
     for name in ("history.csv", "contact.csv"):
         assert (other / name).read_bytes() == (tmp_path / "here" / name).read_bytes(), name

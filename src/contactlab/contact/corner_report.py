@@ -72,7 +72,7 @@ def with_shares(pair: OperatorPair, seen: ContactSnapshot) -> ContactSnapshot:
 
 def corner_pieces(pair: OperatorPair) -> Ints:
     """Return the integration segments in use that are corners of the master on segments of the slave."""
-    return np.flatnonzero(pair.pieces.segment[: pair.count, 0] < 0)
+    return np.flatnonzero(pair.pieces.segment[: pair.count, 0] < 0).astype(np.int32)
 
 
 def _lengths(pair: OperatorPair, seen: ContactSnapshot) -> Floats:
@@ -80,7 +80,8 @@ def _lengths(pair: OperatorPair, seen: ContactSnapshot) -> Floats:
     slave = pair.slave
     edge = np.bincount(slave.segment_edge[:, 0], slave.lengths(seen.at.slave))
     shares = (0.5, 0.5) if slave.edges.shape[1] == 2 else (1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0)
-    return np.bincount(slave.edges.ravel(), np.outer(edge, shares).ravel(), len(slave.nodes))
+    found = np.bincount(slave.edges.ravel(), np.outer(edge, shares).ravel(), len(slave.nodes))
+    return np.asarray(found, np.float64)
 
 
 def _add(seen: ContactSnapshot, forces: Floats, given: Floats, gap: Floats) -> None:

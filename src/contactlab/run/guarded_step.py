@@ -31,7 +31,7 @@ class GuardJudge:
         self.memory, self.start = self.guards.saved(), self.model.state.snapshot()
 
     def judged(self, step: Step) -> Step:
-        """Return the step, accepted only if the positions at its end make sense; otherwise it is taken back."""
+        """Return the step; take it back if a guard objects or its error is too large."""
         if step.status is not StepStatus.accepted:
             return step
         try:

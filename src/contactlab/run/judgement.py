@@ -230,17 +230,17 @@ def _few_nodes(model: Model, pair: ContactPair, report: ContactReport) -> Iterat
     dip = 1.0 - float(curve.nodal_pressure[pressed[1:-1]].min(initial=nodal)) / nodal if at_edge else 0.0
     if not max(high, low, dip) > PEAK:
         return
-    told = f"multipliers reach {highest:.4g}, nodal pressures {nodal:.4g}, {high:.0%} apart"
+    value, told = high, f"multipliers reach {highest:.4g}, nodal pressures {nodal:.4g}, {high:.0%} apart"
     if high <= PEAK:
-        told = f"nodal pressures, up to {nodal:.4g}, are means over its segments, about {low:.0%} below it"
+        value, told = low, f"nodal pressures, up to {nodal:.4g}, are means over its segments, about {low:.0%} below it"
     if dip > max(high, low):
-        told = f"nodal pressures, up to {nodal:.4g} at an edge of contact, are {dip:.0%} lower within"
+        value, told = dip, f"nodal pressures, up to {nodal:.4g} at an edge of contact, are {dip:.0%} lower within"
     place = _place(model, np.array([curve.x[peak], curve.y[peak]]))
     carried = "1 node carries" if len(pressed) == 1 else f"{len(pressed)} nodes carry"
     lean = _lean(model, pair, report.resultant, model.position[pair.slave.nodes[peak]])
     told += f"; its force leans by {lean:.1%} from the normal of the flat side" if lean > LEAN else ""
     yield RunWarning(
-        "few-nodes", dip if dip > max(high, low) else high if high > PEAK else low, PEAK, f"{pair.name}.slave",
+        "few-nodes", value, PEAK, f"{pair.name}.slave",
         f"{pair.name}: {carried} the pressure around {place}, too few for its peak: {told} "
         f"(limit {PEAK:.0%}); halve the cells of the slave there",
     )  # fmt: skip

@@ -98,7 +98,7 @@ class Run:
             self.schedule.follow_the_way()
 
     def step_judge(self) -> ControlJudge | GuardJudge | None:
-        """Return the judge of steps that can be taken back; None if a step stays as it is made."""
+        """Return the judge of the steps, or None if no step of this run can be rejected."""
         if not self.model.explicit:
             from contactlab.run.guarded_step import GuardJudge
 
