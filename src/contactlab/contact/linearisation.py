@@ -10,7 +10,8 @@ g = nu . r. Their derivatives need only those D, M, T and nu, which are local to
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array
@@ -24,8 +25,7 @@ from contactlab.kernels.contact import banded_rows
 from contactlab.kernels.contact import linearisation as kernels
 from contactlab.kernels.contact.pair import BandedRows
 
-if TYPE_CHECKING:
-    from contactlab.contact.smooth_surfaces import SmoothSurfaces
+Entries = tuple[Ints, Ints, Floats]  # rows, columns, values; entries at the same place are added
 
 CUT = 1e-13  # weights below it move gaps by less than round-off: linear problems end after one iteration
 
@@ -135,7 +135,7 @@ class PairLinearisation(Linearisation):
         """Sum derivatives of integration segments, spread by T^-T."""
         pair, pieces = self.pair, self.pair.derivatives(self.memory)
         y_n, y_t = parts_of(y, pair)
-        normal, tangent = pair.normals, turned(pair.normals)
+        directions = [pair.normals] if y_t is None else [pair.normals, turned(pair.normals)]
         traction = self._tractions(y_n, y_t)
         # the chosen rows of T^-T
         self.inverse = banded_rows.inverse_rows(pair.coupling, self.inverse)
@@ -143,28 +143,47 @@ class PairLinearisation(Linearisation):
         size = np.hypot(*traction.T)
         wanted = size > CUT * max(float(size.max(initial=0.0)), 1e-300)
         wanted[inverse[1]] = True
-        weights = self._weights(np.flatnonzero(wanted).astype(np.int32))
-        dnormal = self._turned_normals(pieces, pieces.dnormal[: pieces.normal_count])
-        dweight = self._gap_derivatives(pieces, wanted, pair.at, pair.separation)
-        gap = self._along(chosen, normal, inverse, weights, dweight) + self._rows(chosen, pair.separation) @ dnormal
-        if pair.smooth is not None:
-            gap = gap + self._by_curves(pair.smooth, chosen, inverse, pieces, wanted, dnormal)
+        weights = self._matrix(self._weights(np.flatnonzero(wanted).astype(np.int32)))
+        along = self._times(chosen, directions) @ weights
+        change = along + self._changes(chosen, directions, inverse, pieces, wanted)
         force = self._force_derivative(pieces, wanted, traction, weights, y_n, y_t) if len(y) else None
         if y_t is None:
-            return ContactDerivatives(self._rows(chosen, normal) @ weights, None, gap, None, force)
-        # tau . r = nu . (r turned by +90 degrees)
-        slip = self._along(chosen, tangent, inverse, weights, dweight)
-        slip = slip - self._rows(chosen, turned(pair.separation)) @ dnormal
-        assert pair.sliding is not None
-        began = self._gap_derivatives(pieces, wanted, pair.sliding.began, self.start_separation)
-        slip = slip - self._spread(chosen, turned(pair.sliding.before), inverse) @ began
-        return ContactDerivatives(
-            self._rows(chosen, normal) @ weights, self._rows(chosen, tangent) @ weights, gap, slip, force
-        )
+            return ContactDerivatives(along, None, change, None, force)
+        c = len(chosen)
+        return ContactDerivatives(along[:c], along[c:], change[:c], change[c:], force)
+
+    def _changes(
+        self, chosen: Ints, directions: list[Floats], inverse: Entries, pieces: PieceDerivatives, wanted: Floats
+    ) -> Any:
+        """Return derivatives (c, 2N) of gaps by what changes weights and normals, with those of slips below them."""
+        pair, separation, own = self.pair, self.pair.separation, (chosen, chosen, np.ones(len(chosen)))
+        changes = [self._weight_changes(pieces, wanted, pair.at, separation), self._normal_changes(pieces)]
+        # (kind, change): each kind of rows, gaps and slips, is a sum of parts times changes
+        parts = {(0, 0): _spread(inverse, pair.normals), (0, 1): _spread(own, separation)}
+        if len(directions) > 1:
+            assert pair.sliding is not None
+            changes.append(self._weight_changes(pieces, wanted, pair.sliding.began, self.start_separation))
+            # tau . r = nu . (r turned by +90 degrees)
+            parts[1, 0], parts[1, 1] = _spread(inverse, directions[1]), _spread(own, -turned(separation))
+            parts[1, 2] = _spread(inverse, -turned(pair.sliding.before))
+        if pair.smooth is not None:
+            # gaps gain nu . c, c = T^-T C, which changes with nu, T and C
+            shift, nowhere = pair.smooth.shifts(pair.at), SurfacePositions(*(np.zeros_like(at) for at in pair.at))
+            parts[0, 1] = _spread(own, separation + shift)
+            for more in (self._weight_changes(pieces, wanted, nowhere, shift), pair.smooth.derivatives(self.memory)):
+                parts[0, len(changes)] = parts[0, 0]
+                changes.append(more)
+        place = np.full(pair.slots, -1, np.int32)
+        place[chosen] = np.arange(len(chosen))
+        rows, columns = len(chosen), 2 * pair.slots
+        left = [(kind * rows + place[at], of * columns + j, x) for (kind, of), (at, j, x) in parts.items()]
+        right = [(of * columns + row, j, x) for of, (row, j, x) in enumerate(changes)]
+        between = columns * len(changes)
+        return _sparse(left, (rows * len(directions), between)) @ _sparse(right, (between, self.size))
 
     def tangents(self, chosen: Ints) -> Any:
         """Return weights times tangents."""
-        return self._rows(chosen, turned(self.pair.normals)) @ self._weights(chosen)
+        return self._times(chosen, [turned(self.pair.normals)]) @ self._matrix(self._weights(chosen))
 
     def flexibilities(self, nodal: Floats) -> Floats:
         """Sum squared weights."""
@@ -191,33 +210,21 @@ class PairLinearisation(Linearisation):
             out[kept, c] = pair.coupling.solve(q[:, c])[kept]
         return out
 
-    def _weights(self, chosen: Ints) -> Any:
-        """Return rows 2 k + component of P by all degrees of freedom, for the chosen multipliers."""
+    def _weights(self, chosen: Ints) -> Entries:
+        """Return entries of P, in rows 2 k + component, for the chosen multipliers."""
         pair, parts = self.pair, []
         sides, numbered = pair.weights(), (pair.slave.nodes, pair.master.nodes)
         for side, numbers, sign in zip(sides, numbered, (1.0, -1.0), strict=True):
             row, column, value = entries(chosen, side, CUT)
             parts.append((row, numbers[column], sign * value))
         row, column, value = (np.concatenate(part) for part in zip(*parts, strict=True))
-        return self._matrix(_both(row), _both(column), np.repeat(value, 2), 2 * pair.slots)
+        return _both(row), _both(column), np.repeat(value, 2)
 
-    def _along(self, chosen: Ints, direction: Floats, inverse: Any, weights: Any, dweight: Any) -> Any:
-        """Return direction . (P + T^-T dweight), one row for each chosen multiplier."""
-        return self._rows(chosen, direction) @ weights + self._spread(chosen, direction, inverse) @ dweight
-
-    def _rows(self, chosen: Ints, vectors: Floats) -> Any:
-        """Return (c, 2k): row i has the two components of vectors[chosen[i]] at its own place."""
-        start = np.arange(0, 2 * len(chosen) + 1, 2)
-        return csr_array((vectors[chosen].ravel(), _both(chosen), start), shape=(len(chosen), 2 * self.pair.slots))
-
-    def _spread(self, chosen: Ints, direction: Floats, inverse: tuple[Ints, Ints, Floats]) -> Any:
-        """Return (c, 2k): direction[chosen[i]] times the row of T^-T."""
-        row, column, value = inverse
-        place = np.full(self.pair.slots, -1, np.int32)
-        place[chosen] = np.arange(len(chosen))
-        values = (value[:, None] * direction[row]).ravel()
-        shape = (len(chosen), 2 * self.pair.slots)
-        return coo_array((values, (np.repeat(place[row], 2), _both(column))), shape=shape).tocsr()
+    def _times(self, chosen: Ints, vectors: list[Floats]) -> Any:
+        """Return, for each vectors (k, 2), rows (c, 2k) with vectors[chosen[i]] at their own place in row i."""
+        values = np.concatenate([some[chosen] for some in vectors]).ravel()
+        shape = (len(vectors) * len(chosen), 2 * self.pair.slots)
+        return csr_array((values, np.tile(_both(chosen), len(vectors)), np.arange(0, len(values) + 1, 2)), shape)
 
     # --- from derivatives of pieces to sparse matrices --------------------------------------------
 
@@ -225,32 +232,22 @@ class PairLinearisation(Linearisation):
         numbers = np.concatenate([self.pair.slave.nodes, self.pair.master.nodes])
         return 2 * numbers[moved // 2] + moved % 2
 
-    def _turned_normals(self, pieces: PieceDerivatives, values: Floats) -> Any:
-        """Return (2k, 2N) of vectors (z, 2) that belong to the derivatives of normals."""
+    def _normal_changes(self, pieces: PieceDerivatives, factors: Floats | None = None) -> Entries:
+        """Return entries of the derivatives of normals, rows 2 k + component, or of other vectors (z, 2) in place."""
         count = pieces.normal_count
+        values = pieces.dnormal[:count] if factors is None else factors
         columns = np.repeat(self._columns(pieces.normal_moved[:count]), 2)
-        return self._matrix(_both(pieces.normal_of[:count]), columns, values.ravel(), 2 * self.pair.slots)
+        return _both(pieces.normal_of[:count]), columns, values.ravel()
 
-    def _gap_derivatives(
+    def _weight_changes(
         self, pieces: PieceDerivatives, wanted: Floats, at: SurfacePositions, separation: Floats
-    ) -> Any:
+    ) -> Entries:
+        """Return entries of the derivatives of weighted separations by changes of weights, rows 2 k + component."""
         pair, out = self.pair, triplets(2 * pieces.count * pieces.multiplier.shape[1])
-        nodes = pair.slave.nodes, pair.master.nodes
         count = kernels.gap_derivatives(
-            pieces.count, _arrays(pieces), pair.coupling.owner, wanted, tuple(at), separation, nodes, out
+            pieces.count, _arrays(pieces), pair.coupling.owner, wanted, tuple(at), separation, self._nodes, out
         )
-        return self._matrix(*_first(out, count), 2 * pair.slots)
-
-    def _by_curves(
-        self, smooth: SmoothSurfaces, chosen: Ints, inverse: Any, pieces: PieceDerivatives, wanted: Floats, dnormal: Any
-    ) -> Any:
-        """Return what smooth surfaces add to gap derivatives: nu . c, c = T^-T C, changes with nu, T and C."""
-        pair = self.pair
-        shift = smooth.shifts(pair.at)
-        nowhere = SurfacePositions(*(np.zeros_like(at) for at in pair.at))
-        change = self._gap_derivatives(pieces, wanted, nowhere, shift)
-        change = change + self._matrix(*smooth.derivatives(self.memory), 2 * pair.slots)
-        return self._spread(chosen, pair.normals, inverse) @ change + self._rows(chosen, shift) @ dnormal
+        return _first(out, count)
 
     def _force_derivative(
         self, pieces: PieceDerivatives, wanted: Floats, traction: Floats, weights: Any, y_n: Floats, y_t: Floats | None
@@ -258,19 +255,23 @@ class PairLinearisation(Linearisation):
         pair, k = self.pair, pieces.multiplier.shape[1]
         direct = triplets(2 * pieces.count * (pieces.slave.shape[1] + pieces.master.shape[1]))
         coupled = triplets(2 * pieces.count * k)
-        nodes = pair.slave.nodes, pair.master.nodes
         count, given = kernels.force_derivatives(
-            pieces.count, _arrays(pieces), pair.coupling.owner, wanted, traction, nodes, direct, coupled
+            pieces.count, _arrays(pieces), pair.coupling.owner, wanted, traction, self._nodes, direct, coupled
         )
+        row, column, value = _first(coupled, given)
         of, turn = pieces.normal_of[: pieces.normal_count], pieces.dnormal[: pieces.normal_count]
         dq = y_n[of, None] * turn
         if y_t is not None:
             dq += y_t[of, None] * turned(turn)
-        change = self._turned_normals(pieces, dq) - self._matrix(*_first(coupled, given), 2 * pair.slots)
-        return self._matrix(*_first(direct, count), self.size) + weights.T @ change
+        change = self._matrix(self._normal_changes(pieces, dq), (row, column, -value))
+        return _sparse([_first(direct, count)], (self.size, self.size)) + weights.T @ change
 
-    def _matrix(self, row: Ints, column: Ints, value: Floats, rows: int) -> Any:
-        return coo_array((value, (row, column)), shape=(rows, self.size)).tocsr()
+    @property
+    def _nodes(self) -> tuple[Ints, Ints]:
+        return self.pair.slave.nodes, self.pair.master.nodes
+
+    def _matrix(self, *parts: Entries) -> Any:
+        return _sparse(parts, (2 * self.pair.slots, self.size))
 
 
 class ConsistentLinearisation(PairLinearisation):
@@ -278,13 +279,21 @@ class ConsistentLinearisation(PairLinearisation):
 
     def add_forces(self, multipliers: Floats, normal: Floats, tangential: Floats) -> None:
         """Add derivatives of gaps times multipliers, and weights times friction forces."""
-        force = multipliers.copy()
-        own = force[0, self.pair.own]
-        chosen = np.flatnonzero(own).astype(np.int32)
-        if len(chosen):
-            normal += (self.gap_derivatives(chosen).T @ own[chosen]).reshape(-1, 2)
-        own[:] = 0.0
-        super().add_forces(force, normal, tangential)
+        super().add_forces(multipliers, normal, tangential)
+        pair, y = self.pair, multipliers[0, self.pair.own]
+        if not y.any():
+            return
+        pieces, traction = pair.derivatives(self.memory), self._tractions(y, None)
+        separation, force = pair.separation, normal.reshape(-1)
+        if pair.smooth is not None:
+            separation = separation + pair.smooth.shifts(pair.at)
+            row, column, value = pair.smooth.derivatives(self.memory)
+            np.add.at(force, column, traction.ravel()[row] * value)
+        kernels.add_weight_changes(
+            pieces.count, _arrays(pieces), pair.coupling.owner, traction, tuple(pair.at), separation, self._nodes, force
+        )
+        row, column, value = self._normal_changes(pieces)
+        np.add.at(force, column, (y[:, None] * separation).ravel()[row] * value)
 
     def linearise(self, chosen: Ints, y: Floats) -> ContactDerivatives:
         """Take changes of directions from rows by weights: their own change needs second derivatives."""
@@ -297,19 +306,30 @@ def parts_of(y: Floats, pair: ContactPair) -> tuple[Floats, Floats | None]:
     return (y[0] if len(y) else np.zeros(pair.slots)), y[1] if len(y) > 1 and pair.friction is not None else None
 
 
-def entries(chosen: Ints, rows: BandedRows, cut: float) -> tuple[Ints, Ints, Floats]:
+def entries(chosen: Ints, rows: BandedRows, cut: float) -> Entries:
     """Return entries (row, position, value) above `cut` of the chosen rows."""
     out = triplets(int(np.maximum(rows.end[chosen] - rows.start[chosen], 0).sum()))
     count = banded_rows.entries(chosen, rows, cut, *out)
     return _first(out, count)
 
 
-def triplets(size: int) -> tuple[Ints, Ints, Floats]:
+def _spread(rows: Entries, vectors: Floats) -> Entries:
+    """Return entries times the components of vectors (k, 2) of their rows, in columns 2 column + component."""
+    row, column, value = rows
+    return np.repeat(row, 2), _both(column), (value[:, None] * vectors[row]).ravel()
+
+
+def _sparse(parts: Sequence[Entries], shape: tuple[int, int]) -> Any:
+    row, column, value = (np.concatenate(part) for part in zip(*parts, strict=True))
+    return coo_array((value, (row, column)), shape=shape).tocsr()
+
+
+def triplets(size: int) -> Entries:
     """Allocate that many entries (row, column, value)."""
     return np.zeros(size, np.int32), np.zeros(size, np.int32), np.zeros(size)
 
 
-def _first(triplets: tuple[Ints, Ints, Floats], count: int) -> tuple[Ints, Ints, Floats]:
+def _first(triplets: Entries, count: int) -> Entries:
     row, column, value = triplets
     return row[:count], column[:count], value[:count]
 

@@ -156,10 +156,10 @@ class SaddleSystem:
 
     def _inside(self, matrix: csr_array) -> Entries:
         """Return entries of a (., 2N) matrix in free columns, rows unchanged."""
-        entries = matrix.tocoo()
-        column = self.number[entries.col]
+        row, column, value = _entries(matrix)
+        column = self.number[column]
         keep = column >= 0
-        return entries.row[keep], column[keep], entries.data[keep]
+        return row[keep], column[keep], value[keep]
 
     def _fill_rigid_rows(self, plan: Elimination, derivatives: ContactDerivatives, response: Response) -> None:
         """Fill rows of forces without effect, if supports alone decide a constraint, as slip of a held node.
@@ -180,20 +180,19 @@ class SaddleSystem:
         """Return entries of contact: change of forces, columns and rows of the unknown multipliers."""
         first = len(self.free)
         second = first + len(plan.normal)
-        force = derivatives.force.tocoo()
-        row, column = self.number[force.row], self.number[force.col]
+        row, column, value = _entries(derivatives.force)
+        row, column = self.number[row], self.number[column]
         keep = (row >= 0) & (column >= 0)
-        parts = [(row[keep], column[keep], -force.data[keep])]
+        parts = [(row[keep], column[keep], -value[keep])]
         at = np.searchsorted(plan.chosen, plan.normal)
-        directions = derivatives.normal[at]
-        if derivatives.tangent is not None:
-            directions = directions + _scaled(plan.sliding_shear[plan.normal], derivatives.tangent[at])
-        parts += self._both(directions, derivatives.gap[at], first, plan.by_force[0, plan.normal])
+        directions = _picked(derivatives.normal, at)
+        if derivatives.tangent is not None and plan.sliding_shear.any():
+            directions = directions + _scaled(plan.sliding_shear[plan.normal], _picked(derivatives.tangent, at))
+        parts += self._both(directions, _picked(derivatives.gap, at), first, plan.by_force[0, plan.normal])
         if len(plan.tangential):
             at = np.searchsorted(plan.chosen, plan.tangential)
-            parts += self._both(
-                derivatives.tangent[at], derivatives.slip[at], second, plan.by_force[1, plan.tangential]
-            )
+            tangent, slip = _picked(derivatives.tangent, at), _picked(derivatives.slip, at)
+            parts += self._both(tangent, slip, second, plan.by_force[1, plan.tangential])
             crossed = np.flatnonzero(plan.cross[plan.tangential])
             place = first + np.searchsorted(plan.normal, plan.tangential[crossed])
             parts.append((second + crossed, place, -plan.cross[plan.tangential[crossed]]))
@@ -208,6 +207,17 @@ class SaddleSystem:
         place = first + np.arange(len(diagonal))
         parts.append((place, place, -diagonal))
         return parts
+
+
+def _entries(matrix: Any) -> Entries:
+    """Return rows, columns and values of a sparse matrix."""
+    rows = matrix.tocsr()
+    return np.repeat(np.arange(rows.shape[0], dtype=np.int32), np.diff(rows.indptr)), rows.indices, rows.data
+
+
+def _picked(matrix: csr_array, at: Indices) -> csr_array:
+    """Return the rows `at`, in ascending order, of a matrix; the matrix itself if they are all its rows."""
+    return matrix if len(at) == matrix.shape[0] else matrix[at]
 
 
 def _scaled(factors: Floats, matrix: csr_array) -> csr_array:

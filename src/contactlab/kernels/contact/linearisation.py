@@ -157,3 +157,19 @@ def gap_derivatives(count, derivatives, owner, wanted, at, separation, nodes, we
                 change = weighted_change(e, j, c, derivatives, owner, at, separation)
                 given = _emit(given, 2 * k + c, column, change, weight)
     return given
+
+
+@kernel
+def add_weight_changes(count, derivatives, owner, traction, at, separation, nodes, force):
+    """Add tractions a (k, 2) times derivatives of D^T x - M^T y - T^T r at fixed x, y, r to force (2N,)."""
+    multiplier, moved = derivatives[1], derivatives[3]
+    for e in range(count):
+        total = 0.0
+        for j in range(multiplier.shape[1]):
+            k = owner[multiplier[e, j]]
+            if k < 0:
+                continue
+            for c in range(2):
+                if traction[k, c] != 0.0:
+                    total += traction[k, c] * weighted_change(e, j, c, derivatives, owner, at, separation)
+        force[_column(moved[e], nodes)] += total
