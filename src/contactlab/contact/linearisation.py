@@ -224,7 +224,8 @@ class PairLinearisation(Linearisation):
         """Return, for each vectors (k, 2), rows (c, 2k) with vectors[chosen[i]] at their own place in row i."""
         values = np.concatenate([some[chosen] for some in vectors]).ravel()
         shape = (len(vectors) * len(chosen), 2 * self.pair.slots)
-        return csr_array((values, np.tile(_both(chosen), len(vectors)), np.arange(0, len(values) + 1, 2)), shape)
+        start = np.arange(0, len(values) + 1, 2, dtype=np.int32)
+        return csr_array((values, np.tile(_both(chosen), len(vectors)), start), shape)
 
     # --- from derivatives of pieces to sparse matrices --------------------------------------------
 

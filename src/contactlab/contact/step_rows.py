@@ -87,20 +87,20 @@ class StepRows(Linearisation):
     def add_forces(self, multipliers: Floats, normal: Floats, tangential: Floats) -> None:
         """Add rows times multipliers."""
         y = multipliers[:, self.pair.own][:, self.slots]
-        normal += (self.normal.rows().T @ y[0]).reshape(-1, 2)
+        normal += self.normal.forces(y[0])
         if self.tangent is not None:
-            tangential += (self.tangent.rows().T @ y[1]).reshape(-1, 2)
+            tangential += self.tangent.forces(y[1])
 
     def linearise(self, chosen: Ints, y: Floats) -> ContactDerivatives:
         """Build derivatives from the change of rows with mean positions; each chosen multiplier has a constraint."""
-        place = np.searchsorted(self.slots, chosen)
+        place = np.searchsorted(self.slots, chosen).astype(np.int32)
         force = self.normal.of_forces(y[0, self.slots])
-        gap = self.normal.derivatives(self.moved)[place]
+        normal, gap = self.normal.rows(place), self.normal.derivatives(self.moved, place)
         if self.tangent is None:
-            return ContactDerivatives(self.normal.rows()[place], None, gap, None, force)
+            return ContactDerivatives(normal, None, gap, None, force)
         force = force + self.tangent.of_forces(y[1, self.slots])
-        slip = self.tangent.derivatives(self.moved)[place]
-        return ContactDerivatives(self.normal.rows()[place], self.tangent.rows()[place], gap, slip, force)
+        slip = self.tangent.derivatives(self.moved, place)
+        return ContactDerivatives(normal, self.tangent.rows(place), gap, slip, force)
 
     def tangents(self, chosen: Ints) -> Any:
         """Return mid-step tangents."""
@@ -111,10 +111,10 @@ class StepRows(Linearisation):
 
         They have no moment about the positions at the end.
         """
-        place = np.searchsorted(self.slots, chosen)
+        place = np.searchsorted(self.slots, chosen).astype(np.int32)
         self._about(self.start + self.moved)
-        normal = self.normal.rows()[place]
-        tangent = None if self.tangent is None else self.tangent.rows()[place]
+        normal = self.normal.rows(place)
+        tangent = None if self.tangent is None else self.tangent.rows(place)
         self._about(self.start + 0.5 * self.moved)
         return normal, tangent
 
@@ -146,8 +146,9 @@ class MomentFreeRows:
         place = np.searchsorted(known, entries.row.astype(np.int64) * nodes + entries.col // 2)
         np.add.at(self.given, (place, entries.col % 2), entries.data)
         self.count = np.maximum(np.bincount(self.row, minlength=self.shape[0]), 1)
-        self.start = np.concatenate([[0], 2 * np.cumsum(np.bincount(self.row, minlength=self.shape[0]))])
-        self.column = (2 * self.node[:, None] + np.arange(2)).ravel()
+        # in the index type of sparse matrices, which check others
+        self.start = np.append(0, 2 * np.cumsum(np.bincount(self.row, minlength=self.shape[0]))).astype(np.int32)
+        self.column = (2 * self.node[:, None] + np.arange(2)).ravel().astype(np.int32)
         # remainders of the sums of rows that push both sides are removed
         size = self._sum(np.abs(self.given).sum(axis=1))
         left = np.stack([self._sum(self.given[:, i]) for i in range(2)], axis=1)
@@ -164,22 +165,27 @@ class MomentFreeRows:
         self.share = np.divide(moment, self.spread, out=np.zeros_like(moment), where=self.spread > 0.0)
         self.values = self.given - self.share[self.row, None] * _turned(self.arm)
 
-    def rows(self) -> Any:
-        """Return the rows (c, 2N)."""
-        return self._matrix(self.values)
+    def rows(self, at: Ints) -> Any:
+        """Return the rows `at` (2N columns), in ascending order."""
+        return self._picked(self.values, at)
+
+    def forces(self, multipliers: Floats) -> Floats:
+        """Return the nodal forces (N, 2) of `multipliers` (c,)."""
+        values = self.values * multipliers[self.row, None]
+        return np.bincount(self.column, values.ravel(), self.shape[1]).astype(np.float64).reshape(-1, 2)
 
     def times(self, motion: Floats) -> Floats:
         """Return the rows (c,) times a motion (N, 2)."""
         return self._sum((self.values * motion[self.node]).sum(axis=1))
 
-    def derivatives(self, motion: Floats) -> Any:
-        """Return derivatives of `times` (c, 2N), as `motion` (N, 2) grows and mean positions follow it."""
+    def derivatives(self, motion: Floats, at: Ints) -> Any:
+        """Return derivatives of the values `at` of `times`, as `motion` (N, 2) grows and mean positions follow it."""
         of_share = self._of_share()
         moved = motion[self.node]
         turned = self._sum((_turned(self.arm) * moved).sum(axis=1))
         # sum Z dr_i . w_i = - sum dr_i . Z w_i
         swept = AHEAD * self.share[self.row, None] * _turned(self._from_mean(moved))
-        return self._matrix(self.values - turned[self.row, None] * of_share + swept)
+        return self._picked(self.values - turned[self.row, None] * of_share + swept, at)
 
     def of_forces(self, multipliers: Floats) -> Any:
         """Return the derivative (2N, 2N) of the forces of `multipliers` (c,), as mean positions follow the nodes.
@@ -202,6 +208,10 @@ class MomentFreeRows:
 
     def _sum(self, values: Floats) -> Floats:
         return np.asarray(np.bincount(self.row, values, self.shape[0]), np.float64)
+
+    def _picked(self, values: Floats, at: Ints) -> Any:
+        matrix = self._matrix(values)
+        return matrix if len(at) == self.shape[0] else matrix[at]
 
     def _matrix(self, values: Floats) -> Any:
         return csr_array((values.ravel(), self.column, self.start), self.shape)

@@ -183,7 +183,7 @@ class SaddleSystem:
         row, column, value = _entries(derivatives.force)
         row, column = self.number[row], self.number[column]
         keep = (row >= 0) & (column >= 0)
-        parts = [(row[keep], column[keep], -value[keep])]
+        parts: list[Entries] = [(row[keep], column[keep], -value[keep])]
         at = np.searchsorted(plan.chosen, plan.normal)
         directions = _picked(derivatives.normal, at)
         if derivatives.tangent is not None and plan.sliding_shear.any():
