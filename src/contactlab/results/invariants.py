@@ -225,7 +225,7 @@ def _contact(model: Model, pair: ContactPair, report: ContactReport, scale: floa
         "saw-tooth of the pressure", "pressure-saw", pair.name, pressure_saw(curve, sharp), SAW,
         "a pressure that alternates from node to node is a numerical error",
     )  # fmt: skip
-    if np.any(curve.shear):
+    if pair.friction is not None and np.any(curve.shear):
         least = SMALL_SHEAR * float(curve.pressure.max())
         teeth = saw_tooth(curve, curve.shear, sharp, least, fewest=SEEN)
         yield Invariant(
