@@ -26,7 +26,7 @@ def rows() -> MomentFreeRows:
 
 def forces(rows: MomentFreeRows) -> np.ndarray:
     """Rows as forces on the nodes (2, N, 2)."""
-    return np.asarray(rows.rows(np.arange(2)).todense()).reshape(2, NODES, 2)
+    return np.asarray(rows.rows(np.arange(rows.shape[0])).todense()).reshape(-1, NODES, 2)
 
 
 def moments(force: np.ndarray, position: np.ndarray) -> np.ndarray:
@@ -94,4 +94,4 @@ def test_rows_of_one_side_alone_stay_as_they_are() -> None:
     given[0, 1] = 0.0, 1.0
     rows = MomentFreeRows(csr_array(given.reshape(1, -1)), neighbours([SLAVE], NODES))
     rows.about(POSITION)
-    np.testing.assert_array_equal(np.asarray(rows.rows(np.arange(2)).todense()).reshape(1, NODES, 2), given)
+    np.testing.assert_array_equal(np.asarray(rows.rows(np.arange(rows.shape[0])).todense()).reshape(1, NODES, 2), given)
