@@ -240,7 +240,7 @@ def _few_nodes(model: Model, pair: ContactPair, report: ContactReport) -> Iterat
     lean = _lean(model, pair, report.resultant, model.position[pair.slave.nodes[peak]])
     told += f"; its force leans by {lean:.1%} from the normal of the flat side" if lean > LEAN else ""
     yield RunWarning(
-        "few-nodes", value, PEAK, f"{pair.name}.slave",
+        "few-nodes", float(f"{value:.4g}"), PEAK, f"{pair.name}.slave",  # an estimate: a resumed run differs by 1e-9
         f"{pair.name}: {carried} the pressure around {place}, too few for its peak: {told} "
         f"(limit {PEAK:.0%}); halve the cells of the slave there",
     )  # fmt: skip
