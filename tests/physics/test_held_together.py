@@ -9,6 +9,8 @@ from contactlab_cases.statics import static_job
 
 from contactlab.api import Setup
 from contactlab.cases.run_case import run_job, scene_of
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import Scene
 
 
 @pytest.mark.parametrize("algorithm", ["mortar-p0", "node-on-segment"])
@@ -44,3 +46,46 @@ def test_only_what_is_held_on_both_sides_and_stays_passes_no_friction(algorithm:
     else:
         # its force is that of its own half cell: 3 eighths of its multiplier and 1 eighth of the next one's are none
         assert abs(3.0 * shear[0] + shear[1]) < 1e-12
+
+
+@pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1"])
+def test_curves_that_end_at_planes_of_symmetry_are_pressed_without_shear(algorithm: str) -> None:
+    """A quarter of a ring shrunk on a ring of like cells: all moves along radii.
+
+    The facets at the ends lean by half of their turn, 11 degrees: along them the nodes at the planes approach.
+    """
+    results = simulate(
+        Scene.from_data(
+            {
+                "name": "fit",
+                "integrator": {"use": "newton", "steps": 1, "stabilised": False},
+                "materials": {"m": {"use": "linear-elastic", "young": 1000.0, "poisson": 0.3, "density": 1e-9}},
+                "bodies": {
+                    name: {
+                        "element": "q1",
+                        "material": "m",
+                        "mesh": {"use": "ring", "radii": radii, "cells": [4, 1], "angles": [0.0, 90.0]},
+                    }
+                    for name, radii in {"inner": [5.0, 10.01], "outer": [10.0, 15.0]}.items()
+                },
+                "contacts": [
+                    {
+                        "slave": "outer.inner",
+                        "master": "inner.outer",
+                        "algorithm": algorithm,
+                        "friction": {"use": "coulomb", "mu": 0.3},
+                        "start": {"overlap": "ramp"},
+                    }
+                ],
+                "supports": [
+                    {"on": f"{body}.{edge}", along: 0.0}
+                    for body in ("inner", "outer")
+                    for edge, along in {"start": "uy", "end": "ux"}.items()
+                ],
+            }
+        )
+    )
+    assert results.status == "finished", results.summary["reason"]
+    curve = results.contact["contacts.0"].last
+    assert np.all(curve.pressure > 0.2)
+    assert np.abs(curve.shear).max() < 1e-6 * curve.pressure.max()  # 0.4 of it at the ends if these stuck

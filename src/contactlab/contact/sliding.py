@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contactlab.api import ContactView, Floats, FrictionBound, FrictionLaw, Ints, State
+from contactlab.api import ContactView, Floats, FrictionBound, FrictionLaw, Ints, State, Surface
 from contactlab.api.arrays import Flags
 from contactlab.api.surface import SurfacePositions
 from contactlab.errors import WrongAnswer
+from contactlab.meshing.turns import turns
 from contactlab.parts.remembered import checked, remember
 
 if TYPE_CHECKING:
@@ -225,7 +226,9 @@ def held_together(pair: ContactPair, flexibility: Floats, start: Floats) -> Flag
     """Return multipliers (k,) of slave nodes held by supports together with the master beneath, as in symmetry.
 
     They cannot slide on each other whatever friction does: a stick constraint would be redundant, and its force
-    undetermined. Friction passes nothing there; the supports hold the nodes.
+    undetermined. Friction passes nothing there; the supports hold the nodes. Curves end with the tangent of a facet,
+    which leans from the plane of symmetry's normal: motion along it counts only as far as supports resist it, since
+    approaching curves do not slide there.
 
     flexibility  (N, 2) [mm/N] of single nodes, 0 if they are held
     start        (N, 2) [mm] positions at the start of the step: nodes that supports move relative to each other slide
@@ -237,18 +240,29 @@ def held_together(pair: ContactPair, flexibility: Floats, start: Floats) -> Flag
     if not len(partly) or not len(others):
         return out
     slots = (partly + len(slave) * np.arange(pair.rows_per_node)[:, None]).ravel()
-    node = np.tile(partly, pair.rows_per_node)
+    node = np.tile(partly, pair.rows_per_node).astype(np.int32)
     normal, length = pair.normals[slots], pair.full[slots]
     tangent = np.stack([normal[:, 1], -normal[:, 0]], axis=1)
     across = pair.at.slave[node][:, None] - pair.at.master[others]
-    nearest = others[(across**2).sum(axis=2).argmin(axis=1)]
+    nearest = np.asarray(others[(across**2).sum(axis=2).argmin(axis=1)], np.int32)
     apart = pair.at.slave[node] - pair.at.master[nearest]
     before = start[slave[node]] - start[master[nearest]]
-    together = np.abs((apart * tangent).sum(axis=1)) < SAME * length
-    still = np.abs(((apart - before) * tangent).sum(axis=1)) < STILL * length
+    axes = (flexibility[slave[node]] == 0.0) & (flexibility[master[nearest]] == 0.0)
+    turn = np.maximum(_turns_at(pair.slave, start, node), _turns_at(pair.master, start, nearest))
+    leans = np.where(axes, 0.0, np.abs(tangent)).max(axis=1) <= np.sin(turn)
+    along = np.where(axes | ~leans[:, None], tangent, 0.0)
+    together = np.abs((apart * along).sum(axis=1)) < SAME * length
+    still = np.abs(((apart - before) * along).sum(axis=1)) < STILL * length
     held = [
         (own * tangent**2).sum(axis=1) <= HELD * own.max(axis=1)
         for own in (flexibility[slave[node]], flexibility[master[nearest]])
     ]
     out[slots] = together & still & held[0] & held[1]
     return out
+
+
+def _turns_at(side: Surface, positions: Floats, nodes: Ints) -> Floats:
+    """Angle (n,) [rad] by which a side turns next to its ends; 0 of nodes (n,) within it."""
+    inward = side.node_segments[nodes]
+    beside = side.segments[inward.max(axis=1), np.argmax(inward >= 0, axis=1)]
+    return np.where((inward < 0).any(axis=1), np.abs(turns(side, positions)[beside]), 0.0)
