@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 ROUND = 1e-6  # segment lengths: pushing this out in one step costs a millionth of the wave speed
 SETTLED = 1e-12  # segment lengths left after an adjustment
+ROUND_OFF = 8.0 * float(np.finfo(float).eps)  # of the largest coordinate: what positions far from the origin resolve
 ROUNDS = 60
 FEWEST_STEPS = 100
 CURVED = 0.05  # of the depth of facets: error of a parabola through three nodes of a curve
@@ -64,12 +65,13 @@ def _adjust(plan: Any, positions: Floats) -> None:
     """Move slave nodes in `positions` until overlaps, and gaps up to the declared one, are gone."""
     pair = plan.pair(positions, 0, np.zeros(len(positions), np.bool_))
     chosen: Flags | None = None
+    settled = max(SETTLED * pair.size, ROUND_OFF * float(np.abs(positions).max()))
     for _ in range(ROUNDS):
         gaps = initial_gaps(pair, positions)
         if chosen is None:
             chosen = gaps <= plan.start.gap
         error = np.where(chosen & (gaps < FAR), gaps, 0.0)
-        if np.abs(error).max(initial=0.0) <= SETTLED * pair.size:
+        if np.abs(error).max(initial=0.0) <= settled:
             return
         m = len(pair.slave.nodes)
         for slot in range(pair.slots // m):

@@ -76,6 +76,26 @@ def test_adjusted_nodes_lie_on_the_master_without_strain(make, algorithm: str, t
         assert not len(inverted_cells(model.bodies[0].mesh, model.bodies[0].element))
 
 
+@pytest.mark.parametrize("algorithm", ALGORITHMS)
+def test_nodes_far_from_the_origin_are_adjusted_to_what_positions_resolve(make, algorithm: str) -> None:
+    far, (x, y), turn = np.array([1e6, -2e6]), (-np.sin(0.5), np.cos(0.5)), np.degrees(0.5)
+    model = make(
+        {
+            "contacts.0.algorithm": algorithm,
+            "contacts.0.start": {"overlap": "adjust"},
+            "bodies.upper.rotate": turn,
+            "bodies.lower.rotate": turn,
+            "bodies.upper.shift": [far[0] - 0.01 * x, far[1] - 0.01 * y],
+            "bodies.lower.shift": far.tolist(),
+        }
+    )
+    pair = model.contact.pairs[0]
+    pair.update(model.reference, np.zeros((2, len(pair.slave.nodes))))
+    pair.compute_gaps(model.reference)
+    gaps = pair.gaps[:, 0]
+    assert np.abs(gaps[gaps < 1e299]).max() < 1e-8  # positions of 2e6 are multiples of 2e-10
+
+
 def test_an_adjustment_leaves_wider_gaps_alone(make) -> None:
     model = make({"contacts.0.start": {"overlap": "adjust", "gap": 0.02}, "bodies.upper.shift": [0.0, 0.03]})
     pair = model.contact.pairs[0]
