@@ -15,7 +15,7 @@ from contactlab.results.chain_ends import angle_at_ends, turn_at_ends
 from contactlab.results.facets import cusps
 from contactlab.results.reaction_balance import reaction_mismatch
 from contactlab.results.saw_tooth import largest_turn, pressed_depth, pressure_saw, saw_tooth
-from contactlab.results.strain_scale import energy_of_strain, force_of_strain
+from contactlab.results.strain_scale import contact_force_of_strain, energy_of_strain, force_of_strain
 
 if TYPE_CHECKING:
     from contactlab.contact.pair import ContactPair
@@ -93,6 +93,11 @@ def invariants(model: Model, sample: Sample, largest_force: float = 0.0) -> list
         found += _contact(model, pair, sample.contacts[pair.name], scale)
         found += [*_creep(pair, sample.contacts[pair.name]), *_kept_overlap(model, pair, sample)]
     return found
+
+
+def judged_from(model: Model, pair: ContactPair, largest_force: float) -> float:
+    """Return the force [N] up to which all that a contact carries is round-off, given the largest one of the run."""
+    return max(ROUND * largest_force, contact_force_of_strain(model, pair, NOTHING))
 
 
 # --- the whole run ----------------------------------------------------------------------------------
@@ -203,7 +208,7 @@ def _contact(model: Model, pair: ContactPair, report: ContactReport, scale: floa
         "pull of a contact node over the largest push", "contact-pull", pair.name, pull, max(ROUND, pair.lagged),
         "nodal forces push and friction keeps its bound, up to residuals (for potentials, of lagged friction)",
     )  # fmt: skip
-    if not largest > ROUND * scale:
+    if not largest > judged_from(model, pair, scale):
         return  # residuals of the solver only
     if np.any(report.resultant):
         limit, why = _promised(pair, report)

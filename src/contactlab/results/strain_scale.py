@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from contactlab.contact.pair import ContactPair
     from contactlab.model.model import Model
 
 
@@ -14,6 +15,14 @@ def force_of_strain(model: Model, strain: float) -> float:
     """Force [N] of a strain over the size of the scene, in its stiffest body."""
     extent, modulus = _scale(model)
     return strain * extent * modulus
+
+
+def contact_force_of_strain(model: Model, pair: ContactPair, strain: float) -> float:
+    """Force [N] of a strain over the size of the scene, in the softer body of a contact."""
+    nodes = np.concatenate([pair.slave.nodes, pair.master.nodes])
+    extent = float(np.ptp(model.reference, axis=0).max())
+    joined = [body for body in model.bodies if np.any((nodes >= body.first) & (nodes < body.first + body.count))]
+    return strain * extent * min(body.dilatational_modulus for body in joined)
 
 
 def energy_of_strain(model: Model, strain: float) -> float:

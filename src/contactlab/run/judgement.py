@@ -13,7 +13,7 @@ from contactlab.errors import SimulationFailure
 from contactlab.meshing.curves import facet_depths, nearest_segments
 from contactlab.meshing.turns import turns
 from contactlab.results.facets import cusps
-from contactlab.results.invariants import NO_STRAIN, ROUND, invariants
+from contactlab.results.invariants import NO_STRAIN, invariants, judged_from
 from contactlab.results.slips import slips_of
 from contactlab.results.strain_scale import energy_of_strain
 from contactlab.run.breaches import breach
@@ -56,7 +56,7 @@ def judge(model: Model, sample: Sample | None, closed: Flags, largest_force: flo
         report = sample.contacts[pair.name]
         if not any(closed[one.own].any() for one in (pair, pair.points) if one is not None):
             model.warnings.add(_never_closed(model, pair, report))
-        elif report.largest > ROUND * largest_force:
+        elif report.largest > judged_from(model, pair, largest_force):
             model.warnings.add(*_coarse_facets(model, pair, report.curve), *_few_nodes(model, pair, report))
             _judge_friction(model, pair)
             model.warnings.add(*end_lengths(model, pair))

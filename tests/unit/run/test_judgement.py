@@ -373,6 +373,16 @@ def test_forces_that_are_round_off_are_not_judged() -> None:
     assert "pressure-saw" in {warning.code for warning in model.warnings}
 
 
+@pytest.mark.parametrize("cells", [6, 8])
+def test_a_fit_without_load_has_forces_of_round_off_alone(cells: int) -> None:
+    """Its overlap is taken away without strain: facets, and gaps that are kept, are no error of such forces."""
+    edges = {f"bodies.{body}.element": "q2" for body in ("shaft", "hub")}
+    results = simulate(press_fit(cells).with_({"contacts.0.start": {"overlap": "adjust"}, **edges}))
+    assert results.status == "finished", results.reason
+    assert results.contact["contacts.0"].last.pressure.max() < 1e-9
+    assert not results.warnings
+
+
 @pytest.mark.parametrize("most", [0, 10**9])
 def test_the_nearest_point_is_found_either_way(most: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(judgement, "FEW_PAIRS", most)
