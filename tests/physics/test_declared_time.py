@@ -137,6 +137,14 @@ def test_what_a_written_end_cuts_is_told_with_key_time_and_share(integrator: str
     assert "50% of its time" in told["effects.0.ramp"].text
 
 
+def test_a_table_that_rests_beyond_the_end_loses_nothing() -> None:
+    registry = blocks("newton").registry
+    for last, told in ((1.0, 0), (0.5, 1)):
+        table = {"ramp": "table", "to": TO, "points": [[0.0, 0.0], [5e-5, 1.0], [1.5e-4, 1.0], [2e-4, last]]}
+        model = build(blocks("newton", table, time={"end": 1e-4}), registry)
+        assert sum(warning.code == "beyond-end" for warning in model.warnings) == told
+
+
 def test_the_ramp_of_the_run_and_its_hold_are_declared_too() -> None:
     uy = {"ramp": "linear", "to": TO}
     model = build(scene := blocks("newton", uy, time={"end": 1.0, "ramp": 4.0, "hold": 1.0}), scene.registry)

@@ -23,6 +23,7 @@ ALIKE = 1e-3  # of the variation: two sets of samples that see as much have seen
 SMALL = 1e-2  # of the range: turns within it are not followed
 LARGE = 0.2  # of the range: smaller ways need not be resolved
 EDGE = 0.005  # of a way
+AT_ONCE = 1e-4  # of the time to the next way: a value that is made to jump has no course to follow
 EACH_WAY = 6  # steps: friction work is then right to 2 % (sliding, and partial slip of a disc), with 4 to 10 %
 CURVE = 5  # frames: of fewer nobody draws a curve
 SEEN = 2  # frames, or steps without memory, of each way: fewer show a curve of another period
@@ -34,7 +35,8 @@ class Swing(NamedTuple):
     key        of the scene
     turns      (n,) times [s] at which it turns, with the begin and the end of its way
     ways       (w, 2) times [s] between which it moves from one turn to the next, of the larger ways
-    shortest   time [s] of a way over the whole range at the speed of the fastest one
+    shortest   time [s] of a way over the whole range at the speed of the fastest one; of a jump the time after it,
+               until the value moves again
     """
 
     key: str
@@ -55,7 +57,11 @@ def swings_of(scene: Scene, timing: Timing) -> list[Swing]:
             span = float(np.ptp(values))
             ways = [(_way(times[a : b + 1], values[a : b + 1]), abs(values[b] - values[a]) / span)
                     for a, b in pairwise(turns)]  # fmt: skip
-            shortest = min((last - first) / share for (first, last), share in ways if share > LARGE)
+            begins = [*(first for (first, _), _ in ways[1:]), end]
+            shortest = min(
+                (last - first if last - first > AT_ONCE * (then - first) else then - first) / share
+                for ((first, last), share), then in zip(ways, begins, strict=True) if share > LARGE
+            )  # fmt: skip
             large = np.array([way for way, share in ways if share > LARGE])
             at = times[turns] if course.function is None else _refined(times, values, turns)
             found.append(Swing(key, at, large, float(shortest)))

@@ -50,6 +50,18 @@ def test_rests_of_a_table_are_no_part_of_its_ways() -> None:
     assert found.shortest == pytest.approx(0.1, rel=1e-3)
 
 
+def test_a_jump_has_no_course_to_follow_but_the_rest_after_it() -> None:
+    """A load that is taken off at once is no swing of 1e-7 s, and pulses are followed by what is between them."""
+    off = swing({"ramp": "table", "points": [[0.0, 0.0], [0.6, 1.0], [0.6 + 1e-7, 0.0], [1.0, 0.0]]})
+    assert off is not None
+    assert off.turns == pytest.approx([0.0, 0.6, 0.6], abs=1e-6)
+    assert off.shortest == pytest.approx(0.4, rel=1e-2)
+    square = [[0.1 * k + 1e-7 * j, (k + j) % 2] for k in range(1, 10) for j in (0, 1)]
+    pulses = swing({"ramp": "table", "points": square})
+    assert pulses is not None
+    assert pulses.shortest == pytest.approx(0.1, rel=1e-2)
+
+
 @pytest.mark.parametrize(
     "ramp",
     [

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from contactlab.api import RunWarning
@@ -94,6 +94,11 @@ def last_of(scene: Scene, ramps: RampTime) -> tuple[float, str]:
     return end, key
 
 
+def _rests(course: Course, value: Callable[[float], float], end: float) -> bool:
+    """Return whether a table keeps its value at the end [s] of the run from there on."""
+    return all(value(course.begin + time) == value(end) for time, _ in course.points if course.begin + time > end)
+
+
 def beyond(scene: Scene, ramps: RampTime, end: float) -> Iterator[RunWarning]:
     """Yield warnings of all declarations that begin or last beyond a written end of the run."""
     held = [Declared("time.hold", 0.0, ramps.duration + scene.time.hold)] if scene.time.hold else []
@@ -104,6 +109,8 @@ def beyond(scene: Scene, ramps: RampTime, end: float) -> Iterator[RunWarning]:
         reached = ""
         if one.course is not None:
             value = one.course.bind(ramps)
+            if one.course.shape == "table" and _rests(one.course, value, end):
+                continue
             reached = f", the value is {value(end):.3g} of `to` there instead of {value(one.end):.3g}"
         yield RunWarning(
             "beyond-end", one.end, end, one.key,
