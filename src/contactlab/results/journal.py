@@ -94,6 +94,11 @@ class Journal:
         return max((math.hypot(row[f"{on}.fx"], row[f"{on}.fy"]) for row in self.rows for on in pairs), default=0.0)
 
     @property
+    def largest_work(self) -> float:
+        """Largest sum [mJ] of the works of the stresses and of all from outside at any stored frame, by magnitude."""
+        return max((abs(row["energy.internal"]) + abs(row["energy.external"]) for row in self.rows), default=0.0)
+
+    @property
     def frames(self) -> int:
         """Number of frames stored so far."""
         return len(self.rows)

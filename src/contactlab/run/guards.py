@@ -65,9 +65,9 @@ class Guards:
         self.check()
         self.energy.check(last=True)
 
-    def judge(self, sample: Sample | None, largest_force: float) -> None:
+    def judge(self, sample: Sample | None, largest_force: float, largest_work: float) -> None:
         """Add what a finished run says of itself by its last sample; see `contactlab.run.judgement`."""
-        judge(self.model, sample, self.contact.closed, largest_force)
+        judge(self.model, sample, self.contact.closed, largest_force, largest_work)
 
     def saved(self) -> dict[str, Floats]:
         """Everything that changes during the run, as arrays of a checkpoint."""

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from contactlab.results.contact_report import ContactReport
     from contactlab.results.sample import Sample
 
-JUMP = 0.2  # of all work: a disc pressed a fifth of its radius in one load step has 0.05, other statics less than 0.02
+JUMP = 0.2  # of the largest work: a disc pressed by a fifth of its radius in one step has 0.05, others below 0.02
 WRONG = 0.25  # of the contact force: the pressure belongs to another force
 FACETS = 0.05  # depth of facets over the approach: unlike meshes of a press fit then miss 2.5 % of its mean pressure
 FIT = 0.05  # segments: how far nodes of like meshes may have slid apart
@@ -39,18 +39,21 @@ STUCK = 1e-8  # segments: the tolerance of sticking
 ENOUGH = 3  # pressed conditions: one or two in the middle of a symmetric pair may have no shear
 
 
-def judge(model: Model, sample: Sample | None, closed: Flags, largest_force: float = 0.0) -> None:
+def judge(
+    model: Model, sample: Sample | None, closed: Flags, largest_force: float = 0.0, largest_work: float = 0.0
+) -> None:
     """Add warnings to the warnings of a finished run.
 
-    sample  the last one; closed (k,)  multipliers that pressed at any time; largest_force  [N] of the run. Raises
-    SimulationFailure("not-converged") if the integral of a pressure is not the contact force.
+    sample  the last one; closed (k,)  multipliers that pressed at any time; largest_force  [N] and
+    largest_work [mJ] of the run. Raises SimulationFailure("not-converged") if the integral of a pressure is not the
+    contact force.
     """
     if sample is None:
         return
     for one in invariants(model, sample, largest_force):
         if one.broken:
             model.warnings.add(breach(one, model))
-    model.warnings.add(*_jumps(model, sample))
+    model.warnings.add(*_jumps(model, sample, largest_work))
     curved = []
     for pair in model.contact.pairs if model.contact is not None else ():
         report = sample.contacts[pair.name]
@@ -72,19 +75,22 @@ def judge(model: Model, sample: Sample | None, closed: Flags, largest_force: flo
         model.warnings.add(*_kept_gaps(model, curved, sample.energies["stored"] + sample.energies["plastic"]))
 
 
-def _jumps(model: Model, sample: Sample) -> Iterator[RunWarning]:
-    """Warn if load steps of elastic bodies were too long to follow the equilibrium path: work is not stored energy."""
+def _jumps(model: Model, sample: Sample, largest_work: float) -> Iterator[RunWarning]:
+    """Warn if load steps of elastic bodies were too long to follow the equilibrium path: work is not stored energy.
+
+    largest_work  [mJ] of the run: if it ends unloaded, works that cancel are known to a part of that
+    """
     energies, elastic = sample.energies, not any(body.material.history_size for body in model.bodies)
     if model.integrator.inertia or not (elastic and model.way_followed):
         return
     apart = abs(energies["internal"] - energies["stored"])
-    scale = abs(energies["internal"]) + abs(energies["external"])
+    scale = max(largest_work, abs(energies["internal"]) + abs(energies["external"]))
     if scale > energy_of_strain(model, NO_STRAIN) and apart > JUMP * scale:
         yield RunWarning(
             "jump", apart / scale, JUMP, "integrator.steps",
             f"load steps jumped: the work of the stresses over them and the stored energy differ by "
-            f"{apart / scale:.0%} of all work (limit {JUMP:.0%}), so the end may not be on the equilibrium path of the "
-            "loads; take three times as many integrator.steps, or implicit-dynamics",
+            f"{apart / scale:.0%} of the largest work (limit {JUMP:.0%}), so the end may not be on the equilibrium path of "
+            "the loads; take three times as many integrator.steps, or implicit-dynamics",
         )  # fmt: skip
 
 

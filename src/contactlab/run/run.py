@@ -162,7 +162,7 @@ class Run:
         """Judge the end of the run; see `contactlab.run.judgement`."""
         known = list(self.model.warnings) if self.journal.last is None else []
         self._look_again()
-        self.guards.judge(self.journal.last, self.journal.largest_force)
+        self.guards.judge(self.journal.last, self.journal.largest_force, self.journal.largest_work)
         self.monitor.judge()
         self._judge_stability()
         if self.attempts is not None:

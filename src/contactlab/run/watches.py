@@ -97,7 +97,7 @@ class NoGuards:
     def at_the_end(self) -> None:
         """Do nothing at the end of the run."""
 
-    def judge(self, sample: Sample | None, largest_force: float) -> None:
+    def judge(self, sample: Sample | None, largest_force: float, largest_work: float) -> None:
         """Do not judge the finished run."""
 
     def saved(self) -> dict[str, Floats]:

@@ -110,6 +110,20 @@ def test_the_ledger_of_a_static_load_closes(ramp: str) -> None:
     assert "ledger" not in [warning.code for warning in results.warnings]
 
 
+def test_work_that_unloading_gives_back_is_no_jump() -> None:
+    """A block is pressed on a wider one and let go: works of the stresses cancel to a millionth of the largest."""
+    to_and_fro = {"ramp": "table", "to": 20.0, "points": [[0.0, 0.0], [1.0, 1.0], [2.0, 0.0]]}
+    data = pressed(0.12).data
+    data["bodies"] = {"upper": block((0.0, 1.0)), "lower": block((-1.0, 0.0), (-1.0, 2.0))}
+    data["supports"] = data["supports"][:1]
+    data["loads"] = [{"on": "upper.top", "pressure": to_and_fro}]
+    data |= {"time": {"end": 2.0}, "integrator": {"use": "newton", "steps": 8}}
+    results = simulate(Scene.from_data(data))
+    assert results.status == "finished", results.reason
+    assert abs(results.history["energy.internal"][-1]) > 1e3 * abs(results.history["energy.stored"][-1])
+    assert not results.warnings
+
+
 def press_fit(cells: int, finer: float = 1.25) -> Scene:
     """A quarter of a shaft in a hub, 0.02 too thick: radius 5, as many facets as there are cells along the arc."""
 
