@@ -89,8 +89,8 @@ def _jumps(model: Model, sample: Sample, largest_work: float) -> Iterator[RunWar
         yield RunWarning(
             "jump", apart / scale, JUMP, "integrator.steps",
             f"load steps jumped: the work of the stresses over them and the stored energy differ by "
-            f"{apart / scale:.0%} of the largest work (limit {JUMP:.0%}), so the end may not be on the equilibrium path of "
-            "the loads; take three times as many integrator.steps, or implicit-dynamics",
+            f"{apart / scale:.0%} of the largest work (limit {JUMP:.0%}), so the end may not be on the equilibrium "
+            "path of the loads; take three times as many integrator.steps, or implicit-dynamics",
         )  # fmt: skip
 
 

@@ -144,7 +144,9 @@ def linearised(model: ImplicitModel, normals_turn: bool = True) -> Linearised:
     )
     size = abs(gaps).sum(axis=1)
     directions, gaps = directions[:, free], gaps[:, free]
-    moving = np.flatnonzero(abs(gaps).sum(axis=1) > HELD * size)  # what supports hold alone is no condition
+    rubs = np.ones(gaps.shape[0], np.bool_)
+    rubs[len(pressed) :] = contact.conditions.bound[:2, pressed[: gaps.shape[0] - len(pressed)]].any(axis=0)
+    moving = np.flatnonzero(rubs & (abs(gaps).sum(axis=1) > HELD * size))  # what supports hold alone is no condition
     softness = np.zeros(gaps.shape[0])
     softness[: len(pressed)] = _softness(model)[pressed]
     conditions = np.where(moving < len(pressed), pressed[moving % len(pressed)], -1)
