@@ -13,9 +13,14 @@ from contactlab.api import WORK, Floats
 from contactlab.model.momentum import momenta
 from contactlab.results.chain_ends import angle_at_ends, turn_at_ends
 from contactlab.results.facets import cusps
-from contactlab.results.reaction_balance import reaction_mismatch
+from contactlab.results.reaction_balance import reaction_sum
 from contactlab.results.saw_tooth import largest_turn, pressed_depth, pressure_saw, saw_tooth
-from contactlab.results.strain_scale import contact_force_of_strain, energy_of_strain, force_of_strain
+from contactlab.results.strain_scale import (
+    contact_force_of_strain,
+    energy_of_strain,
+    force_of_strain,
+    round_off_of_reactions,
+)
 
 if TYPE_CHECKING:
     from contactlab.contact.pair import ContactPair
@@ -27,6 +32,7 @@ if TYPE_CHECKING:
 ROUND = 1e-6  # of the largest: what tolerances of solvers and sums over many steps leave
 NO_STRAIN = 1e-7  # whose energy counts as zero: the energy of smaller strains is round-off of load steps
 GIVES = 1e-8  # segments: a pull that moves surfaces by less counts as zero; in slender bodies up to 1e-4 of the force
+RESOLVED = 0.01  # of the largest reaction: what round-off of positions in a stiff body may leave uncertain
 EXACT = 1e-9  # of the largest: sums that are zero by construction
 UNLIKE = 0.01  # of the sum of magnitudes: what two half passes may differ by, as the pressures of the finest discs do
 STEPWISE = 0.02  # load steps: work between two of them is a trapezoid; steps that follow their loads keep 1e-3
@@ -119,11 +125,13 @@ def _energy(model: Model, sample: Sample) -> Iterator[Invariant]:
     if model.way_followed and felt:
         why = "the work of a load step uses the mean of the forces at both its ends"
         yield Invariant("error of the energy ledger", "ledger", "", error, STEPWISE, why)
-    mismatch = reaction_mismatch(model)
+    mismatch, largest = reaction_sum(model)
     if np.isfinite(mismatch):
+        uncertain = round_off_of_reactions(model) / largest
         yield Invariant(
-            "support reactions out of balance", "unbalanced-reactions", "", mismatch, ROUND,
-            "load steps end in equilibrium to 1e-8 of the largest force",
+            "support reactions out of balance", "unbalanced-reactions", "", mismatch / largest,
+            max(ROUND, min(uncertain, RESOLVED)),
+            "load steps end in equilibrium to 1e-8 of the largest force, and to the round-off of positions",
         )  # fmt: skip
 
 

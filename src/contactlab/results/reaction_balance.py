@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contactlab.model.model import Model
-from contactlab.results.strain_scale import force_of_strain
+from contactlab.results.strain_scale import force_of_strain, round_off_of_reactions
 
 NO_STRAIN = 1e-12  # round-off of positions over the size of a scene, with some digits to spare
 
@@ -28,8 +28,15 @@ def reaction_sum(model: Model) -> tuple[float, float]:
     applied = np.zeros_like(model.reference)
     if model.external_force(model.state.time, applied):
         sizes.append(float(np.hypot(*applied.T).sum()))
-    largest = max(sizes, default=0.0)
-    if largest <= (least := force_of_strain(model, NO_STRAIN)) or len(sizes) < 2:
+    largest, least = max(sizes, default=0.0), force_of_strain(model, NO_STRAIN)
+    if not model.integrator.inertia:
+        # loads and contact forces say that soft bodies are loaded, where reactions of stiff ones may be round-off
+        moduli = [body.dilatational_modulus for body in model.bodies]
+        least *= min(moduli) / max(moduli)
+        contact = model.state["contact_force"] if model.contact is not None else 0.0 * applied
+        if not max(np.hypot(*applied.T).sum(), np.hypot(*contact.T).sum()) > least:
+            least = max(least, round_off_of_reactions(model))
+    if largest <= least or len(sizes) < 2:
         return float("nan"), max(largest, least)
     total = np.sum(reactions, axis=0) + applied.sum(axis=0)
     if model.contact is not None and any(pair.half for pair in model.contact.pairs):

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from contactlab.implicit.scales import ROUND_OFF
+
 if TYPE_CHECKING:
     from contactlab.contact.pair import ContactPair
     from contactlab.model.model import Model
@@ -15,6 +17,11 @@ def force_of_strain(model: Model, strain: float) -> float:
     """Force [N] of a strain over the size of the scene, in its stiffest body."""
     extent, modulus = _scale(model)
     return strain * extent * modulus
+
+
+def round_off_of_reactions(model: Model) -> float:
+    """Force [N] by which positions, numbers of 16 digits, leave reactions of the stiffest body uncertain."""
+    return ROUND_OFF * float(np.abs(model.position).max()) * _scale(model)[1]
 
 
 def contact_force_of_strain(model: Model, pair: ContactPair, strain: float) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contactlab.api import RunWarning
 from contactlab.model.model import Model
-from contactlab.results.invariants import Invariant
+from contactlab.results.invariants import RESOLVED, Invariant
 
 COARSER = 1.8  # times the segments of the slave
 FINER = "refine the cells along both surfaces (level)"
@@ -58,6 +58,11 @@ def breach(one: Invariant, model: Model) -> RunWarning:
     key, seen, cure = TEXTS[one.code]
     if one.code == "ledger" and model.explicit:
         key = "time.fraction"
+    if one.code == "unbalanced-reactions" and one.limit == RESOLVED:
+        key, cure = "materials", (
+            "positions are numbers of 16 digits and resolve the forces of the stiffest body no better; take a rigid "
+            "surface for it, or a smaller young"
+        )  # fmt: skip
     key = f"{one.where}.{key}" if one.where else key
     told = seen.format(name=one.name, value=_share(one.value))
     text = f"{one.where}{': ' if one.where else ''}{told} (limit {_share(one.limit)}); {cure or _cure(one, model)}"
