@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import coo_array
 
 from contactlab.api import ContactDerivatives, Floats, Ints
-from contactlab.contact.corners import Corners
+from contactlab.contact.corners import Corners, Moved
 from contactlab.contact.linearisation import ConsistentLinearisation, Linearisation, PairLinearisation
 
 
@@ -46,7 +46,8 @@ class TakenLinearisation(Linearisation):
         """Combine shares of both constraints, with the derivatives of the shares."""
         if not self.corners.moved:
             return self.linear.linearise(chosen, y)
-        more, pick = self._with_partners(chosen)
+        loaded = [moved for moved in self.corners.moved if y[:, moved.slot].any()]
+        more, pick = self._with_partners(chosen, [k for moved in loaded for k in (moved.slot, moved.partner)])
         found = self.linear.linearise(more, self.corners.at_nodes(y))
         normal, gap, force = pick @ found.normal, pick @ found.gap + self._by_shares(chosen, self.gap), found.force
         if isinstance(self.linear, ConsistentLinearisation):
@@ -54,19 +55,20 @@ class TakenLinearisation(Linearisation):
         tangent = slip = None
         if found.tangent is not None:
             tangent, slip = pick @ found.tangent, pick @ found.slip + self._by_shares(chosen, self.slip)
-        if force is not None:
-            force = force + self._force_by_shares(y)
+        if loaded:
+            force = force + self._force_by_shares(y, loaded, more, found)
         return ContactDerivatives(normal, tangent, gap, slip, force)
 
     def tangents(self, chosen: Ints) -> Any:
         """Return shares of both tangents."""
-        more, pick = self._with_partners(chosen)
+        more, pick = self._with_partners(chosen, [])
         return pick @ self.linear.tangents(more)
 
-    def _with_partners(self, chosen: Ints) -> tuple[Ints, Any]:
-        """Return multipliers that the chosen multipliers need, and the matrix (c, needed) of their shares."""
+    def _with_partners(self, chosen: Ints, others: list[int]) -> tuple[Ints, Any]:
+        """Return multipliers that the chosen multipliers need, with `others`, and the matrix (c, needed) of shares."""
         taken = {moved.slot: moved for moved in self.corners.moved}
-        needed = np.unique(np.append(chosen, [taken[k].partner for k in chosen if k in taken])).astype(np.int32)
+        partners = [taken[k].partner for k in chosen if k in taken]
+        needed = np.unique([*chosen, *partners, *others]).astype(np.int32)
         place = np.searchsorted(needed, chosen)
         row, column, value = list(range(len(chosen))), list(place), [1.0] * len(chosen)
         for c, k in enumerate(chosen):
@@ -85,23 +87,22 @@ class TakenLinearisation(Linearisation):
         changes = [self.corners.change(moved, values) * moved.rates.ravel() for moved in taken]
         return self._matrix(rows, [_both(moved.nodes) for moved in taken], changes, len(chosen))
 
-    def _force_by_shares(self, y: Floats) -> Any:
-        """Return derivatives (2N, 2N) of nodal forces by the shares that pass them from node to node."""
-        total = self._matrix([], [], [], self.size)
-        for moved in self.corners.moved:
-            both = np.sort(np.array([moved.slot, moved.partner], np.int32))
-            sign = np.where(both == moved.slot, 1.0, -1.0)
-            found = self.linear.linearise(both, np.zeros_like(y))
+    def _force_by_shares(self, y: Floats, loaded: list[Moved], more: Ints, found: ContactDerivatives) -> Any:
+        """Return derivatives (2N, 2N) of nodal forces by the shares that pass them from node to node.
+
+        `found` are derivatives of the multipliers `more`.
+        """
+        rows, columns, values = [], [], []
+        for moved in loaded:
+            sign = (more == moved.slot) * 1.0 - (more == moved.partner)
             along = y[0, moved.slot] * (sign @ found.normal)
             if found.tangent is not None:
                 along = along + y[1, moved.slot] * (sign @ found.tangent)
             force = np.flatnonzero(along)
-            column = _both(moved.nodes)
-            values = np.outer(along[force], moved.rates.ravel())
-            total = total + self._matrix(
-                [np.repeat(force, 6)], [np.tile(column, len(force))], [values.ravel()], self.size
-            )
-        return total
+            rows.append(np.repeat(force, 6))
+            columns.append(np.tile(_both(moved.nodes), len(force)))
+            values.append(np.outer(along[force], moved.rates.ravel()).ravel())
+        return self._matrix(rows, columns, values, self.size)
 
     def _matrix(self, row: list[Ints], column: list[Ints], value: list[Floats], rows: int) -> Any:
         none = np.zeros(0, np.int32)
