@@ -98,7 +98,7 @@ class TakenLinearisation(Linearisation):
             along = y[0, moved.slot] * (sign @ found.normal)
             if found.tangent is not None:
                 along = along + y[1, moved.slot] * (sign @ found.tangent)
-            force = np.flatnonzero(along)
+            force = np.flatnonzero(along).astype(np.int32)
             rows.append(np.repeat(force, 6))
             columns.append(np.tile(_both(moved.nodes), len(force)))
             values.append(np.outer(along[force], moved.rates.ravel()).ravel())
