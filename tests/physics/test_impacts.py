@@ -56,6 +56,25 @@ def run(steps: float, like: bool = False, impacts: bool = True) -> tuple[Mapping
     return results.watched["kept"], {warning["code"]: warning["value"] for warning in results.summary["warnings"]}
 
 
+@pytest.mark.parametrize("cells", [4, 40])
+def test_energy_that_impacts_on_coarse_cells_take_is_told(cells: int) -> None:
+    """The exact bar leaves with its energy and its speed; the bounds of the lost speed are those of the docs."""
+    bar = strip((0.0, LENGTH), (0.0, 1.0), [cells, 1], velocity=[-SPEED, 0.0], shift=[SPEED * ARRIVAL, 0.0])
+    scene = Scene.from_data({
+        "time": {"end": ARRIVAL + 1.5 * CONTACT}, "integrator": "central-difference", "bodies": {"bar": bar},
+        "materials": {"m": {"use": "linear-elastic"} | BAR}, "rigid": {"wall": {"line": [[0.0, -1.0], [0.0, 2.0]]}},
+        "contacts": [{"slave": "bar.left", "master": "wall", "algorithm": "mortar-p0"}],
+        "supports": [{"on": "bar", "uy": 0.0}],
+    })  # fmt: skip
+    results = simulate(scene, watch={"kept": Series(("work.contact", "velocity.bar.x"))})
+    lost = -float(results.watched["kept"]["work.contact"][-1]) / ENERGY
+    slower = 1.0 - float(results.watched["kept"]["velocity.bar.x"][-1]) / SPEED
+    assert lost <= slower <= 3.0 * lost
+    told = [warning.value for warning in results.warnings if warning.code == "impact-loss"]
+    assert told == ([pytest.approx(lost, rel=1e-6)] if lost > 0.03 else [])
+    assert bool(told) == (cells == 4)
+
+
 @pytest.mark.parametrize("steps", [10.0, 0.6])
 def test_bar_leaves_a_wall_as_fast_as_it_came(steps: float) -> None:
     """Within what the mesh leaves of it, 2.6 %: for 10 steps and for half of one; contact takes half a cell."""
