@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,7 @@ _HEADER = re.compile(r"\s*(?P<open>\[\[?)\s*(?P<key>[^\[\]]+?)\s*\]\]?\s*(?:#.*)
 _KEY = re.compile(r"\s*(?P<key>[A-Za-z0-9_\"'. -]+?)\s*=")
 _ENDLESS = re.compile(r"[0-9_]{4300}")
 _DEEP = re.compile(r"""(?:[ \t]*+[\w"'-]*+[ \t]*+\.){2000}""")  # the reader of TOML takes gigabytes for a longer key
+_TUPLE, _NAME = re.compile(r"\('.*?',?\)(?= |$)"), re.compile(r"'([^']*)'")
 _DELIMITERS = ('"""', "'''")
 
 
@@ -60,7 +61,8 @@ def parse_toml(text: str, shown: str) -> dict[str, Any]:
 _HINTS = {
     "Invalid value": "strings need quotes; booleans are lower case: true, false",
     "Cannot overwrite": "the key is in the file twice: remove one",
-    "Cannot declare": "the table is in the file twice: join them",
+    "Duplicate inline table key": "the key is in the table twice: remove one",
+    "Cannot mutate": "what is written in {} or [] is complete there: write the key or entry inside",
     "Unclosed array": "close it with ]",
 }
 
@@ -73,13 +75,29 @@ def _broken_toml(text: str, message: str, shown: str) -> SceneError:
     number = min(int(match["line"] or len(lines)), len(lines))
     got = lines[number - 1].strip()
     shown_line = got if got.isprintable() else repr(got)
+    what = _TUPLE.sub(lambda names: ".".join(_NAME.findall(names[0])), match["what"])
     return SceneError(
-        f"invalid TOML: {match['what'].lower()}",
+        f"invalid TOML: {what[0].lower()}{what[1:]}",
         where=f"{shown}, line {number}",
         got=shown_line,
         allowed="key = value, [table] or [[list of tables]]",
-        hint=next((hint for start, hint in _HINTS.items() if match["what"].startswith(start)), ""),
+        hint=_table_hint(lines[:number])
+        or next((hint for start, hint in _HINTS.items() if match["what"].startswith(start)), ""),
     )
+
+
+def _table_hint(lines: Sequence[str]) -> str:
+    """What is wrong with the header in the last of these lines; empty if the line is no header."""
+    headers = [header for line in lines if (header := _HEADER.match(line))]
+    if not headers or not _HEADER.match(lines[-1]):
+        return ""
+    key, brackets = _dotted(headers[-1]["key"]), headers[-1]["open"]
+    before = next((header["open"] for header in headers[:-1] if _dotted(header["key"]) == key), "")
+    if not before:
+        return f"the table or list of {key} stands above after =, and is complete there: write this inside its brackets"
+    if before == brackets:
+        return "the table is in the file twice: join them"
+    return f"write [[{key}]] above each entry of a list, [{key}] above a single table"
 
 
 def location(shown: str, lines: Mapping[str, int]) -> Location:

@@ -96,6 +96,8 @@ WRONG = {
     "broken table": edit("[time]", "[time", "invalid TOML"),
     "missing quote": edit('end = "auto"', "end = auto", "invalid TOML", "quotes"),
     "key written twice": edit("frames = 50", "frames = 50\nframes = 60", "invalid TOML", "frames = 60"),
+    "table after its braces": edit("[[contacts]]", "[bodies.block.mesh.more]\nx = 1\n[[contacts]]", "declare bodies.block.mesh.more twice", "after =", at="[bodies.block.mesh.more]"),
+    "table in a list of tables": edit('[[supports]]\non = "disc.top"', '[supports]\non = "disc.top"', "[[supports]] above each entry", at='[supports]\non = "disc.top"'),
     "unfinished file": edit("frames = 50\n", "frames = [50", "invalid TOML", at="frames = [50"),
 }  # fmt: skip
 
