@@ -33,7 +33,7 @@ class EnergyGuard:
     largest  [mJ] largest energy that was there or was supplied so far
     since    (3,) steps since which energies are too high: stored without work, gained, made by contact; -1 if not
     pushed   [mJ] what contact gave to push out the weak overlaps of the start
-    unexplained  [mJ] energy stored without work at the end of the last implicit step
+    unexplained, spent  [mJ] energy stored without work, and stored or dissipated, at the end of the last implicit step
     """
 
     def __init__(self, model: Model, shorter: str, wave_speed: float) -> None:
@@ -49,7 +49,7 @@ class EnergyGuard:
         gaps: list[Any] = [(pair, pair.start_gaps) for pair in pairs if pair.start_gaps is not None]
         self.facets = [each for each in gaps if each[1].by_facets]
         self.pushed, self.rate, self.counted = 0.0, 0.0, 0.0
-        self.scale, self.unexplained = self.largest, 0.0
+        self.scale, self.unexplained, self.spent = self.largest, 0.0, 0.0
         store: Any = getattr(model.contact, "store", None)
         if store is not None and store.beginning > 0.0:
             self._pressed_at_the_start(store)
@@ -94,12 +94,16 @@ class EnergyGuard:
         return self.unexplained - before > IN_A_STEP * self.scale
 
     def _uphill(self) -> bool:
-        """Return whether a load step jumped to an equilibrium with more energy than its forces can have supplied."""
+        """Return whether a load step jumped to an equilibrium with more energy than its forces can have supplied.
+
+        A step that unloads the bodies is judged by what they gave back.
+        """
         if self.model.integrator.inertia or not self.model.way_followed:
             return False
-        before, (stored, self.unexplained) = self.unexplained, stored_energy(self.model)
-        spent = float(self.work[0]) + self.unexplained  # with what flow has dissipated
-        return self.unexplained - before > UPHILL * max(stored, spent, energy_of_strain(self.model, ROUND))
+        before, start, (stored, self.unexplained) = self.unexplained, self.spent, stored_energy(self.model)
+        self.spent = float(self.work[0]) + self.unexplained
+        scale = max(stored, start, self.spent, energy_of_strain(self.model, ROUND))
+        return self.unexplained - before > UPHILL * scale
 
     def _measure(self) -> EnergyGain:
         found = energy_gain(self.model)

@@ -72,7 +72,7 @@ class Guards:
     def saved(self) -> dict[str, Floats]:
         """Everything that changes during the run, as arrays of a checkpoint."""
         contact, energy = self.contact, self.energy
-        pushed = energy.pushed, energy.rate, energy.counted, energy.unexplained
+        pushed = energy.pushed, energy.rate, energy.counted, energy.unexplained, energy.spent
         chatter = contact.flickering, contact.rattling, contact.largest
         numbers = (contact.loose, self.motion.input_speed, *chatter, energy.largest, *pushed, *energy.since)
         return {"guards": np.array(numbers, np.float64), "guards.pressed": contact.pressed + 2.0 * contact.closed}
@@ -82,7 +82,8 @@ class Guards:
         contact, energy = self.contact, self.energy
         loose, self.motion.input_speed, flickering, *more = memory["guards"].tolist()
         contact.rattling, contact.largest, energy.largest, *more = more
-        (energy.pushed, energy.rate, energy.counted, energy.unexplained), energy.since[:] = more[:4], more[4:]
+        energy.pushed, energy.rate, energy.counted, energy.unexplained, energy.spent, *since = more
+        energy.since[:] = since
         contact.loose, contact.flickering = int(loose), int(flickering)
         contact.pressed[:] = memory["guards.pressed"] % 2.0 == 1.0
         contact.closed[:] = memory["guards.pressed"] >= 2.0

@@ -198,7 +198,8 @@ class LoadSchedule(Schedule):
         if (plain := self.stabilised.replaces) is not None:
             if self.part < JUMP * self.cut_to**CUTS * self.wished:
                 if not self.stabilised.plain_instead():
-                    raise SimulationFailure("not-converged", f"{plain.reason}; {step.reason}")
+                    again = "" if step.reason in plain.reason else f"; {step.reason}"
+                    raise SimulationFailure("not-converged", f"{plain.reason}{again}")
                 self._begin_anew()
                 return f"stabilised step of {tried:.6g} from time {time:.6g} failed; retry without stabilisation"
         elif how := self._in_vain(step):
@@ -225,7 +226,8 @@ class LoadSchedule(Schedule):
             return "with the same iterations as the longer step before"
         shortest = AGAIN if self.stabilised.count else SHORTEST
         if self.part < shortest * self.wished:
-            return f"1/{self.cut_to * self.wished / self.part:.0f} of the load increment"
+            parts = round(self.cut_to * self.wished / self.part)
+            return f"{f'1/{parts} of the' if parts > 1 else 'a whole'} load increment"
         return ""
 
     def _begin_anew(self) -> None:
