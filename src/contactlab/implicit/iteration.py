@@ -11,7 +11,7 @@ from contactlab.api import Floats, ImplicitEquations, Iteration, State
 from contactlab.api.frame import SLIP
 from contactlab.implicit.factor import SingularSystem, with_diagonal
 from contactlab.implicit.saddle import SaddleSystem
-from contactlab.implicit.scales import AWAY, Residual, Scales
+from contactlab.implicit.scales import AWAY, Residual, Scales, force_scale
 from contactlab.implicit.trial import SHORTEST, Balance, LineSearch, Trial
 
 AUGMENTATIONS = 40  # times the iterations of a step, for augmentations
@@ -239,7 +239,8 @@ class NewtonIteration:
 
     def _solved(self, given: Floats, left: float) -> tuple[Floats, Floats]:
         t = self.trial
-        found = self.system.step(self.stiffness, t.force.reshape(-1), given, t.contact, t.response, left)
+        largest = force_scale(list(t.parts), self.scales.floor)
+        found = self.system.step(self.stiffness, t.force.reshape(-1), given, t.contact, t.response, left, largest)
         if t.contact is not None and t.contact.by_energy:
             self.scales.add(self.system.potentials.reshape(t.u.shape))
         return found

@@ -8,6 +8,7 @@ import numpy as np
 
 from contactlab.api import WORK, Estimate, Floats, ImplicitEquations, State
 from contactlab.implicit.factor import with_diagonal
+from contactlab.implicit.free_motions import FreeMotions
 from contactlab.implicit.iteration import NewtonIteration, Outcome
 from contactlab.implicit.prediction import Prediction
 from contactlab.implicit.relaxation import Relaxation
@@ -28,6 +29,7 @@ class LoadStep:
         self.contact_forces = ContactForces(equations)
         self.time = 0.0
         self.iteration = NewtonIteration(equations, state, self, tolerance, iterations)
+        self.iteration.system.loose = FreeMotions(equations.reference, equations.prescribed.dof)
         self.ledger = Ledger(state)
         self.prediction = Prediction(equations, state) if "moved" in state else None
         self.relaxation: Relaxation | None = None

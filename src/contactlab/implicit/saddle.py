@@ -18,6 +18,7 @@ from scipy.sparse import coo_array, csr_array
 
 from contactlab.api import ContactDerivatives, Floats, ImplicitContact, Ints, Response
 from contactlab.implicit.factor import ReusedFactor
+from contactlab.implicit.free_motions import FreeMotions
 
 Indices = NDArray[np.integer[Any]]
 Entries = tuple[Indices, Indices, Floats]
@@ -81,6 +82,7 @@ class SaddleSystem:
     """Assembles and solves Newton steps for one model.
 
     potentials  (2N,) [N/mm] diagonal of their stiffness in the last step that had any
+    loose       motions that are left out, as in statics; None: inertia resists them
     """
 
     def __init__(self, reference: Floats, held: Ints) -> None:
@@ -95,6 +97,7 @@ class SaddleSystem:
         self._inner: tuple[Indices, Indices] | None = None
         self.solver = ReusedFactor(reference[self.free // 2])
         self.potentials = np.zeros(self.size)
+        self.loose: FreeMotions | None = None
 
     def step(
         self,
@@ -104,6 +107,7 @@ class SaddleSystem:
         contact: ImplicitContact | None,
         response: Response,
         residual: float,
+        largest: float = 0.0,
     ) -> tuple[Floats, Floats]:
         """Return corrections of displacements (2N,) and multipliers (r, k).
 
@@ -111,11 +115,13 @@ class SaddleSystem:
         unbalanced  (2N,) [N] external and contact forces minus internal forces
         given       (2N,) [mm] corrections of prescribed displacements
         residual    relative residual of the equilibrium, which sets the accuracy
+        largest     [N] nodal force: motions that less than its round-off drives are left out
         """
         moving = bool(np.any(given))
         right = unbalanced - stiffness @ given if moving else unbalanced
         border: list[Entries] = []
         lower: list[Floats] = []
+        forces, conditions = None, []
         plan = eliminate(response)
         if contact is not None and (len(plan.chosen) or contact.acts):
             derivatives = contact.linearise(plan.chosen.astype(np.int32))
@@ -127,12 +133,23 @@ class SaddleSystem:
             if moving:
                 right = right + derivatives.force @ given
             lower = _conditions_right(plan, derivatives, given if moving else None)
+            forces = derivatives.force
+            conditions = [_picked(derivatives.gap, np.searchsorted(plan.chosen, plan.normal))]
+            if len(plan.tangential):
+                conditions.append(_picked(derivatives.slip, np.searchsorted(plan.chosen, plan.tangential)))
+        kind = [plan.normal.tobytes(), plan.tangential.tobytes()]
+        if self.loose is not None:
+            self.loose.find(stiffness, right, forces, conditions, largest)
+            pins = self.number[self.loose.pins]
+            border.append((pins, pins, np.abs(stiffness.diagonal()[self.loose.pins])))
+            kind.append(pins.tobytes())
         full = np.concatenate([right[self.free], *lower])
-        kind = plan.normal.tobytes(), plan.tangential.tobytes()
-        solution = self.solver.solve(self._assembled(stiffness, border, len(full)), full, kind, residual)
+        solution = self.solver.solve(self._assembled(stiffness, border, len(full)), full, tuple(kind), residual)
         du = np.zeros(self.size)
         du[self.free] = solution[: len(self.free)]
         du[self.held] = given[self.held]
+        if self.loose is not None:
+            du = self.loose.without(du)
         return du, _forces(plan, solution[len(self.free) :])
 
     def _assembled(self, stiffness: Any, border: list[Entries], size: int) -> Any:
