@@ -48,6 +48,30 @@ def test_the_slip_before_a_touch_that_friction_holds_in_error_is_told_with_its_s
     assert warning.value == pytest.approx((touch - 0.3) / 0.7, rel=1e-6)
 
 
+def test_a_curve_that_touches_where_it_moves_straight_has_no_slip_before() -> None:
+    """A roll whose lowest node comes straight down on a floor: there is no shear, and none is estimated.
+
+    The open nodes on both sides of it slide, to opposite sides.
+    """
+    results = contactlab.simulate(Scene.from_data({
+        "integrator": {"use": "newton", "steps": 5}, "record": {"frames": 1, "recorders": []},
+        "materials": {"m": {"use": "linear-elastic", "young": YOUNG, "poisson": 0.3, "density": 1e-9}},
+        "bodies": {"roll": {
+            "material": "m", "element": "q1", "shift": [0.0, 1.005],
+            "mesh": {"use": "ring", "radii": [0.5, 1.0], "cells": [12, 2], "angles": [-150.0, -30.0]},
+        }},
+        "rigid": {"floor": {"line": [[2.0, 0.0], [-2.0, 0.0]]}},
+        "contacts": [{
+            "slave": "roll.outer", "master": "floor", "algorithm": "node-on-segment",
+            "friction": {"use": "coulomb", "mu": 0.3},
+        }],
+        "supports": [{"on": "roll.inner", "ux": 0.0, "uy": {"ramp": "linear", "to": -0.02}}],
+    }))  # fmt: skip
+    curve = results.contact["contacts.0"].last
+    assert abs(curve.shear).max() <= 1e-6 * curve.pressure.max()  # residual of the steps
+    assert "friction-steps" not in {warning.code for warning in results.warnings}
+
+
 def rolled(steps: int) -> Results:
     """A wheel, driven by its inside, that rolls by three widths of its contact and slips by a share of it (Carter)."""
     wheel = {"use": "ring", "radii": [8.0, 10.0], "cells": [60, 3], "angles": [-112.0, -74.0]}

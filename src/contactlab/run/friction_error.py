@@ -90,11 +90,15 @@ class FrictionError:
                 rolled[LAST] = rolled[STEPS]
 
     def _hold(self, touched: Ints, beside: Ints, closing: Floats, sticks: Flags) -> None:
-        """Set the slips before contact: of the nearest open node in `beside`, or of each node in the step before."""
+        """Set the slips before contact: of the nearest open node in `beside`, or of each node in the step before.
+
+        Two that are equally near count with their mean: around the first touch of a curve they slide to opposite sides.
+        """
         c, n = self.contact.conditions, self.numbers
         if len(beside):
-            nearest = beside[np.abs(beside - touched[:, None]).argmin(axis=1)]
-            closed, slid = closing[nearest], c.slip[nearest]
+            apart = np.abs(beside - touched[:, None])
+            nearest = apart == apart.min(axis=1, keepdims=True)
+            closed, slid = (nearest @ values[beside] / nearest.sum(axis=1) for values in (closing, c.slip))
         else:
             closed, slid = n[CLOSED, touched], n[SLID, touched]
         share = np.divide(n[GAP, touched], closed, out=np.zeros(len(touched)), where=closed > 0.0)
