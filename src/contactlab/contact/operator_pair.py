@@ -50,6 +50,7 @@ class OperatorPair(ContactPair):
     separation  (k, 2) [mm] weighted slave positions minus weighted master positions, as last measured
     corners     corners of the master that hold the pair; None without any
     measured    positions of the nodes of both sides at which gaps are measured
+    before      their positions in the near list
     """
 
     factored = True
@@ -79,6 +80,7 @@ class OperatorPair(ContactPair):
             )
         self.cover, self.full, self.widths = self.coupling.cover, self.coupling.full, widths
         self.measured, self.separation = SurfacePositions(*(x.copy() for x in self.at)), np.zeros((k, 2))
+        self.before = SurfacePositions(*(np.full_like(x, np.inf) for x in self.at))
         self.pieces = Pieces.allocate(0, self.widths, k)
         self.columns = BothSides(BandedRows.allocate(k, 8), BandedRows.allocate(k, 8))
         self._weights = BothSides(BandedRows.allocate(k, 8), BandedRows.allocate(k, 64))
@@ -89,9 +91,8 @@ class OperatorPair(ContactPair):
         self._bind()
 
     def _bind(self) -> None:
-        slave, near = self.slave, self.near
-        known = (near.slave, near.master) if near is not None else tuple(np.full_like(x, np.inf) for x in self.at)
-        places = (slave.nodes, self.master.nodes, slave.segments, slave.node_segments, *self.at, *self.measured, *known)
+        slave, at = self.slave, (*self.at, *self.measured, *self.before)
+        places = (slave.nodes, self.master.nodes, slave.segments, slave.node_segments, *at)
         self.normals = self.pieces.normal
         self.bound = BoundArrays(
             PairTable, places, self.coupling.table, self.pieces, self.columns, self.separation, self.gaps, self._weights
@@ -210,10 +211,11 @@ class OperatorPair(ContactPair):
     def find_near(self, slave: Floats, master: Floats) -> Near:
         """Rebuild the near list for these positions of the surfaces (m, 2)."""
         near = super().find_near(slave, master)
+        self.before.slave[:], self.before.master[:] = near.slave, near.master
         capacity = self.algorithm.capacity(self.slave, near.candidates)
         if capacity > len(self.pieces.slave):
             self.pieces = Pieces.allocate(capacity + capacity // 4, self.widths, self.slots)
-        self._bind()
+            self._bind()
         self._unchecked = True
         return near
 
