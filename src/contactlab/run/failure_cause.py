@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from contactlab.api import Conditions, Floats, FrictionBound, Iteration, StepStatus, Surface
+from contactlab.api import Conditions, Floats, FrictionBound, Iteration, PointContact, StepStatus, Surface
 from contactlab.api.frame import SLIP, STICK
 from contactlab.model.loading.held_bodies import MOTIONS, free_motions, hold, loose_motions
 
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from contactlab.scene.scene import Scene
 
 SHARP = 20.0  # degrees by which a surface turns at a corner: meshes of curves turn by less
+TURNS = 0.1  # degrees by which a master turns at a vertex: at less the force hardly jumps
+OVER = 0.02  # of a segment, by which a node is beside a vertex that it goes to and fro over
 LAST = 8  # iterations whose changes of contact states count
 FILLET = 3.0  # segments: the radius that a snap fit needed to get past a corner
 AT_CORNER = 1.0  # in the longest segment next to a corner
@@ -43,6 +45,7 @@ def cause_of_failure(model: Model, scene: Scene, trace: Sequence[Iteration], dt:
         or _unstable(model, dt)
         or _cycling(model, scene, changed)
         or _at_a_corner(model, scene, _closed(model))
+        or _over_a_vertex(model, scene)
         or "no equilibrium found; try the other side as slave (swap), another algorithm, or shorter steps"
     )
 
@@ -142,15 +145,38 @@ def _at_a_corner(model: Model, scene: Scene, nodes: Sequence[_Node]) -> str:
     return ""
 
 
-def _corners(position: Floats, surface: Surface) -> Iterator[tuple[Floats, float, float]]:
-    """Convex corners of a surface: position, angle [degrees] by which it turns, and the longer of its two segments."""
+def _over_a_vertex(model: Model, scene: Scene) -> str:
+    """Report the pressed node that lies nearest to a vertex of a master that turns, if conditions are set at nodes.
+
+    The force of such a node jumps from one segment's normal to the next.
+    """
+    found: list[tuple[float, ContactPair, Floats, float]] = []
+    for node in _closed(model):
+        pair, point = node.pair, node.position(model)
+        if not isinstance(pair.method, PointContact) or pair.method.points:
+            continue
+        for vertex, angle, length in _corners(model.position, pair.master, TURNS):
+            found.append((float(np.hypot(*(vertex - point))) / length, pair, vertex, angle))
+    if not found or (nearest := min(found, key=lambda one: one[0]))[0] > OVER:
+        return ""
+    _, pair, vertex, angle = nearest
+    swap = "false" if scene.contacts[_number(pair)].swap else "true"
+    return (
+        f"{_place(model, scene, pair, vertex)}: a node of the slave lies over a vertex of the master, which turns by "
+        f"{angle:.2g} degrees there, and its force jumps from one normal to the other; try {pair.name}.swap = {swap}, "
+        "or a mortar"
+    )
+
+
+def _corners(position: Floats, surface: Surface, sharp: float = SHARP) -> Iterator[tuple[Floats, float, float]]:
+    """Corners above `sharp` [degrees]: position, angle by which the surface turns, longer of the two segments."""
     begin, end = (position[surface.nodes[surface.segments[:, k]]] for k in range(2))
     along = end - begin
     into, out = surface.node_segments.T
     for node in np.flatnonzero((into >= 0) & (out >= 0)):
         a, b = along[into[node]], along[out[node]]
         angle = abs(float(np.degrees(np.arctan2(a[0] * b[1] - a[1] * b[0], a @ b))))
-        if angle > SHARP:
+        if angle > sharp:
             yield position[surface.nodes[node]], angle, float(max(np.hypot(*a), np.hypot(*b)))
 
 

@@ -35,6 +35,8 @@ AGAIN = 0.6  # of the wished step: below it a step is stabilised where an earlie
 TURNED = 0.1  # of a step, the first one after a turn: what reverses in it has no work, in a stiff pad all friction
 HELD = 100  # steps of the longest hold: some periods, over which it is judged, are then a part of it
 NUMBER = re.compile(r"[\d.]+(e[+-]?\d+)?")
+CREEPS = 1.0 / 256.0  # of the wished step: at this length a run does not get on if each longer attempt fails
+CREPT = 20  # such steps in a row, after which it is given up
 NEARLY = 1e-9  # of a step: differences below it are round-off
 
 
@@ -73,6 +75,7 @@ class LoadSchedule(Schedule):
         flows = any(body.material.history_size for body in self.model.bodies)
         self.cut_to, self.grow = FLOWING if flows else (CUT, GROW)
         self.failed: Step | None = None  # the last attempt, where it failed
+        self.crept = 0  # accepted steps in a row that are very short, and whose longer attempt failed
         self.stabilised = StabilisedSteps(cast("ImplicitModel", self.model))
         self.contact_times: ContactTimes | None = None
         if integrator.inertia and self.model.contact is not None:
@@ -156,6 +159,7 @@ class LoadSchedule(Schedule):
 
     def _took(self, step: Step, dt: float) -> None:
         """Follow an accepted step: longer again if it converged easily."""
+        self.crept = self.crept + 1 if self.failed is not None and self.part < CREEPS * self.wished else 0
         self.failed, jumped = None, self.stabilised.replaces is not None
         if self.contact_times is not None:
             self.contact_times.follow(step, dt)
@@ -228,11 +232,16 @@ class LoadSchedule(Schedule):
         if self.part < shortest * self.wished:
             parts = round(self.cut_to * self.wished / self.part)
             return f"{f'1/{parts} of the' if parts > 1 else 'a whole'} load increment"
+        if self.crept >= CREPT:
+            return (
+                f"after {self.crept} steps below 1/{1.0 / CREEPS:.0f} of the load increment that failed at twice that"
+            )
         return ""
 
     def _begin_anew(self) -> None:
         """Let steps be as long as wished again, or as stabilised ones are."""
         jumps = self.stabilised.replaces is not None
+        self.crept = 0
         self.part, self.failed = self.wished * (JUMP if jumps else 1.0), None
         self.dt = self._length()
 
@@ -320,7 +329,7 @@ class LoadSchedule(Schedule):
 
     def saved(self) -> dict[str, Floats]:
         """Everything that changes during the run."""
-        own = {"schedule.load": np.array([self.part, self.model.way_followed, *self.stabilised.saved()])}
+        own = {"schedule.load": np.array([self.part, self.model.way_followed, self.crept, *self.stabilised.saved()])}
         if (contact := self._contact()) is not None:
             own["schedule.freedom"] = np.append(contact.freedom, contact.pace)
         if self.friction_error is not None:
@@ -335,7 +344,8 @@ class LoadSchedule(Schedule):
         super().restore(memory)
         load = memory["schedule.load"]
         self.part, self.model.way_followed = float(load[0]), bool(load[1])
-        self.stabilised.restore(load[2:])
+        self.crept = int(load[2])
+        self.stabilised.restore(load[3:])
         if (contact := self._contact()) is not None:
             contact.freedom[:], contact.pace = memory["schedule.freedom"][:-1], float(memory["schedule.freedom"][-1])
         if self.friction_error is not None:

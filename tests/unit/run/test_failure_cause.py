@@ -133,6 +133,23 @@ def test_a_restless_node_at_a_corner_of_the_master_names_the_corner() -> None:
     assert "corner" not in cause_of_failure(model, scene, restless(model, 0), 0.1)
 
 
+@pytest.mark.parametrize(("algorithm", "told"), [("node-on-segment", True), ("mortar-p1", False)])
+def test_a_pressed_node_over_a_vertex_of_a_round_master_is_told(algorithm: str, told: bool) -> None:
+    """A node of the block is moved below one of the disc, where its force jumps; mortars average over segments."""
+    model, scene = built({"contacts.0.algorithm": algorithm, "contacts.0.swap": True})
+    assert model.contact is not None
+    pair = model.contact.pairs[0]
+    vertex = model.position[pair.master.nodes[len(pair.master.nodes) // 2]]
+    node = int(np.argmin(np.hypot(*(model.position[pair.slave.nodes] - vertex).T)))
+    model.position[pair.slave.nodes[node]] = vertex - np.array([0.0, 1e-4])
+    model.state["multipliers"][0, pair.first_slot + node] = 1.0
+    reason = cause_of_failure(model, scene, (), 0.1)
+    assert ("a node of the slave lies over a vertex of the master" in reason) is told
+    if told:
+        assert reason.startswith(f"near ({float(f'{vertex[0]:.4g}'):g}, ")
+        assert "try contacts.0.swap = false, or a mortar" in reason
+
+
 @pytest.mark.parametrize(("share", "buckles"), [(0.9, False), (1.1, True)])
 def test_a_column_beyond_its_buckling_load_is_told(share: float, buckles: bool) -> None:
     """Euler's load of a slender column between clamped ends: strains of 4 pi^2 I / (A L^2), with cells that bend."""

@@ -249,6 +249,28 @@ def test_advice_names_a_key_of_this_run(changes: dict[str, Any], key: str) -> No
         assert (other in told.value.reason) is (other in key)
 
 
+def test_a_run_that_does_not_get_on_is_given_up_after_some_very_short_steps() -> None:
+    """Each step of 1/1024 converges, and each attempt twice as long fails: a node over a vertex did so for ever."""
+    scene = disc(**{"integrator": {"use": "newton", "steps": 10, "stabilised": False}})
+    schedule = LoadSchedule(build(scene, scene.registry), scene)
+    clock, accepted, left = schedule.state["clock"], 0, 1.0
+
+    def go_on() -> None:
+        nonlocal accepted, left
+        while schedule.part > schedule.wished / 1000.0:
+            left *= 0.99  # no attempt repeats the one before
+            schedule.cut(attempt(1.0, left))
+        clock[0] += schedule.dt
+        schedule.every_step[0](attempt(0.1)._replace(iterations=2), schedule.dt)
+        accepted += 1
+
+    for _ in range(20):
+        go_on()
+    with pytest.raises(SimulationFailure, match="after 20 steps below 1/256 of the load increment"):
+        go_on()
+    assert accepted == 20
+
+
 def test_what_comes_free_by_and_by_is_saved_and_restored() -> None:
     """A step that was cut frees multipliers at the pace of its length; the wished one, and the last, at once."""
     scene = disc(**{"time.end": 1.0, "integrator": {"use": "newton", "steps": 10}})
