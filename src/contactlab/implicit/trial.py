@@ -210,7 +210,7 @@ class LineSearch:
             smallest = self.scales.size / FEW_CELLS
         pieces = max(1, int(np.ceil(np.hypot(*du.T).max() / smallest)))
         length = contact.free_share(place, du, DEEPEST)
-        if pieces <= MOST_PIECES:
+        if 1 < pieces <= MOST_PIECES:  # a correction by less than a segment is taken whole
             length = min(length, self._watched(place, du, pieces))
         return length, "surfaces would pass through each other" if length < 1.0 else ""
 
