@@ -15,6 +15,7 @@ from contactlab.explanation.estimate import Estimate, estimate
 from contactlab.model.build import build
 from contactlab.model.held_arrays import HeldArray, held_arrays
 from contactlab.model.model import Model
+from contactlab.views import view
 
 if TYPE_CHECKING:
     from contactlab.explanation.trial_run import KernelCalls, PartCost, TrialRun
@@ -87,6 +88,9 @@ class Explanation:
     arrays: list[HeldArray]
     modules: list[Imported]
     price: Estimate | None
+
+    def __repr__(self) -> str:
+        return str(view("texts.explanation_text")(self))
 
 
 def explain(

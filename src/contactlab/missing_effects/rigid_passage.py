@@ -34,6 +34,7 @@ class Passage:
 
     def __init__(self, scene: Scene, model: Model, edges: Ints, name: str, pairs: Sequence[ContactPair]) -> None:
         self.scene, self.model, self.name, self.worst = scene, model, name, np.full(1, -1.0)
+        self.pairs = pairs
         own = next(support.nodes for support in model.loading.supports if support.on == name)
         segments = pairs[0].master.nodes[pairs[0].master.segments]
         self.surface: Ints = segments[np.isin(segments, own).all(axis=1)]
@@ -66,12 +67,20 @@ class Passage:
             return None
         body = body_of(node, self.model)
         x, y = self.model.reference[node]
+        edges, own = edge_set(body, node), range(body.first, body.first + body.count)
+        key, cure = (
+            f"contacts.{len(self.scene.contacts)}",
+            f'add [[contacts]] with slave = "{edges}" and master = "{self.name}"',
+        )
+        for pair in self.pairs:
+            if int(pair.slave.nodes[0]) in own:
+                key, cure = f"{pair.name}.slave", f'let {pair.name}.slave have the edges there, which are in "{edges}"'
         return needed(
             "contact",
             1.0,
             0.0,
-            f"contacts.{len(self.scene.contacts)}",
+            key,
             f"body {body.name} goes through the rigid surface {self.name}, first seen at its node ({x:.4g}, {y:.4g}), "
-            "without a contact between them",
-            f'add [[contacts]] with slave = "{edge_set(body, node)}" and master = "{self.name}"',
+            "which is in no contact with it",
+            cure,
         )

@@ -106,8 +106,8 @@ def claimed_folder(folder: Path) -> Path:
             where=f"results folder {folder}",
             got=", ".join(found),
             allowed="a new or empty folder",
-            hint="name another folder, or add --resume to continue the run in it; without --out a new folder under "
-            "runs/ is created",
+            hint="name another folder, or continue the run in it (--resume, in Python resume=True); without --out a "
+            "new folder under runs/ is created",
         )
     return made_folder(folder)
 

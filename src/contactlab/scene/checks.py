@@ -74,7 +74,7 @@ def _check_rigid(scene: Scene) -> None:
                 "no contact names this rigid surface",
                 where=where,
                 got=name,
-                allowed=f"surfaces that a contact names: {', '.join(sorted(touched))}",
+                allowed=f"surfaces that a contact names: {', '.join(sorted(touched)) or 'none'}",
                 hint=f'remove the table, or write master = "{name}" at a contact',
             )
 

@@ -15,6 +15,7 @@ from tiers import some
 import contactlab
 from contactlab.cases.verdict import WORST
 from contactlab.errors import ContactlabError, RequestError
+from contactlab.explanation.explain import explain
 from contactlab.parts.registry import default_registry
 from contactlab.reports.notebook.bar import notebook_bar
 from contactlab.reports.notebook.fields import moment_of, values_of
@@ -54,7 +55,32 @@ def test_a_scene_in_few_lines(name: str) -> None:
     assert len(text) < 2000
 
 
+def test_an_explanation_in_few_lines() -> None:
+    """All of its tables are pages of numbers: kernels, arrays and modules are named only."""
+    scene = load_scene("block-on-incline")
+    text = repr(explain(scene, scene.registry))
+    assert len(text.splitlines()) <= LINES
+    assert len(text) < 2000
+    assert "friction" in text
+    assert "kernels" in text
+
+
 class TestScene:
+    def test_rigid_surfaces_beyond_the_bodies_are_in_the_picture(self) -> None:
+        """A roll below is seen all around; of a long floor as much as the bodies are wide."""
+        scene = load_scene("disc-on-block")
+        surfaces = {
+            "roll": {"arc": {"centre": [0.0, -1.0], "radius": 0.4, "angles": [-180.0, 180.0]}},
+            "floor": {"line": [[900.0, -1.5], [-900.0, -1.5]]},
+        }
+        sides = [{"slave": "block.bottom", "master": name, "algorithm": "mortar-p1"} for name in surfaces]
+        free = [support for support in scene.data["supports"] if support["on"] != "block.bottom"]
+        axes = scene.with_(rigid=surfaces, contacts=sides, supports=free).plot().axes[0]
+        low, high = axes.get_ylim()
+        assert low < -1.5
+        assert high > 0.6
+        assert axes.get_xlim()[1] < 900.0
+
     def test_it_shows_meshes_and_toml(self) -> None:
         scene = load_scene("block-on-incline")
         html = scene._repr_html_()

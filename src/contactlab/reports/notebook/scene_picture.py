@@ -34,7 +34,11 @@ def scene_figure(scene: Scene, ax: Axes | None = None) -> Figure:
     bodies = build_bodies(scene, scene.registry)
     rigid = build_rigid(scene, bodies) if scene.rigid else ()
     with house_style():
-        figure, axes = frame_of([body.mesh.nodes for body in bodies], ax)
+        nodes = np.concatenate([body.mesh.nodes for body in bodies])
+        low, high = nodes.min(axis=0), nodes.max(axis=0)
+        around = float(np.max(high - low))  # a floor may be far longer than what lies on it
+        near = [np.clip(surface.points, low - around, high + around) for surface in rigid]
+        figure, axes = frame_of([nodes, *near], ax)
         for number, body in enumerate(bodies):
             corners = body.mesh.nodes[corners_of(body.mesh.cells)]
             colour = BODIES[number % len(BODIES)]
@@ -44,10 +48,12 @@ def scene_figure(scene: Scene, ax: Axes | None = None) -> Figure:
             x, y = (0.5 * (middle.min(axis=0) + middle.max(axis=0))).tolist()
             axes.text(x, y, body.name, ha="center", va="center")
         limits = axes.get_xlim(), axes.get_ylim()
-        for surface in rigid:
-            axes.plot(*surface.points.T, color=MUTED, linewidth=2.0)
+        for number, surface in enumerate(rigid):
+            lines = list(surface.points[surface.edges[:, :2] - surface.first])
+            named = None if number else "rigid"
+            axes.add_collection(LineCollection(lines, colors=MUTED, linewidths=2.0, label=named))
         _contacts(axes, scene, {body.name: body.mesh for body in bodies})
-        draw_conditions(axes, scene, bodies, np.concatenate([body.mesh.nodes for body in bodies]))
+        draw_conditions(axes, scene, bodies, nodes)
         axes.set_xlim(*limits[0])
         axes.set_ylim(*limits[1])
         label_places(axes, scene.units, scene.name)

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from contactlab.api.drawing.units import Units
+from contactlab.explanation.explain import Explanation
 from contactlab.reports.numbers import significant
 from contactlab.reports.sheet import Sheet
 from contactlab.results.results import Results
@@ -106,6 +107,24 @@ def matrix_text(matrix: Matrix) -> str:
     cells = matrix.worst_first
     rows = ([*(cell.choices[name] for name in heads[:4]), result.verdict] for cell, result in cells)
     return Sheet(heads, rows, f"Matrix of {len(matrix.cells)} cells: {counts}").text(MOST)
+
+
+def explanation_text(explanation: Explanation) -> str:
+    """Size, effects and cost of a scene, and the names of the other tables."""
+    about, price = explanation.scene, explanation.price
+    facts = {
+        "size": f"{about.cells} cells, {about.nodes} nodes, {about.contact_multipliers} multipliers",
+        "integrator": about.integrator,
+        "steps": f"about {about.estimated_steps}",
+        "history": about.history,
+        "effects": ", ".join(each.effect for each in explanation.effects if each.called_for),
+        "not declared": ", ".join(each.effect for each in explanation.effects if not each.called_for),
+    }
+    if price is not None:
+        cost = f"{significant(price.cpu_s, 2)} s of CPU time, and {significant(price.start_s, 2)} s to start"
+        facts["cost"] = f"its trial ended {price.reason}" if price.reason else cost
+    facts["tables"] = ", ".join(vars(explanation))
+    return _lines(f"Explanation of {about.name}", {name: value for name, value in facts.items() if value})
 
 
 def _lines(title: str, facts: Mapping[str, str]) -> str:
