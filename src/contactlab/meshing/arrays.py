@@ -93,14 +93,19 @@ def mesh(points: Any, cells: Any = None, sets: Mapping[str, EdgeSet] | None = No
         parts.points = parts.points * scale
         if parts.cells.ndim != 2 or parts.cells.shape[1] not in CELLS:
             raise ValueError(f"cells of shape {parts.cells.shape}, allowed: (n, 4), (n, 8) or (n, 9)")
+        if not np.isfinite(parts.points).all():
+            raise ValueError("coordinates that are not finite")
         edges = {name: value.tolist() for name, value in parts.sets.items()}
         data = {"points": parts.points.tolist(), "cells": parts.cells.tolist(), "sets": edges}
-        quads_of(_as_file(data), "", 1.0)
+        found = quads_of(_as_file(data), "", 1.0).sides
+        for name in sets or {}:
+            if name not in found:
+                raise ValueError(f'edge set "{name}" holds no side of a cell on the outline')
         packed = zlib.compress(json.dumps(data, separators=(",", ":"), allow_nan=False).encode(), 9)
         spec = MeshSpec({"use": "arrays", "content": base64.b64encode(packed).decode()})
     except (ValueError, TypeError, OverflowError, IndexError) as error:
         raise RequestError(
-            f"invalid mesh: {error}", where="contactlab.mesh", got=[points, cells, sets],
+            f"invalid mesh: {str(error).removeprefix('path: ')}", where="contactlab.mesh", got=[points, cells, sets],
             allowed="points (N, 2), cells (n, 4), (n, 8) or (n, 9), edge sets (k, 2) or (k,), which are numbers",
         ) from error  # fmt: skip
     return spec

@@ -124,11 +124,18 @@ def _chosen_cells(file: Any, group: str) -> Indices:
 
 
 def _inside(cells: Indices, nodes: int) -> Indices:
-    """The cells; ValueError if they name nodes that do not exist (NumPy counts negative numbers from the end)."""
+    """The cells; ValueError if they name a node twice, or one that does not exist: negative ones count from the end."""
     lost = np.argwhere((cells < 0) | (cells >= nodes))
     if len(lost):
         cell, place = lost[0]
-        raise ValueError(f"path: got node {cells[cell, place]} in cell {cell}, allowed: the {nodes} nodes of the file")
+        raise ValueError(
+            f"path: got node {cells[cell, place]} in cell {cell}, allowed: the {nodes} nodes, counted from 0"
+        )
+    named = np.sort(cells, axis=1)
+    twice = np.argwhere(named[:, 1:] == named[:, :-1])
+    if len(twice):
+        cell, place = twice[0]
+        raise ValueError(f"path: got node {named[cell, place]} twice in cell {cell}, allowed: each node of a cell once")
     return cells
 
 

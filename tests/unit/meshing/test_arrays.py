@@ -67,6 +67,10 @@ def test_a_run_needs_no_file_and_its_scene_reproduces_it(tmp_path: Path) -> None
         ({"sets": {"top": [True, False]}}, "a mask of shape"),
         ({"sets": {"top": np.zeros((2, 2, 2), int)}}, "edges \\(k, 2\\) or nodes"),
         ({"cells": [[0, 1]]}, "cells of shape"),
+        ({"cells": [[0, 1, 4, 3, 0, 0, 0, 0]]}, "mesh: got node 0 twice in cell 0"),
+        ({"points": np.full((6, 2), np.nan)}, "not finite"),
+        ({"sets": {"top": lambda x: x[:, 1] > 99.0}}, 'edge set "top" holds no side'),
+        ({"sets": {"top": [[0, 4]]}}, 'edge set "top" holds no side'),
     ],
 )
 def test_what_is_wrong_is_said(arguments: dict[str, Any], said: str) -> None:
