@@ -514,6 +514,7 @@ PLANTED: dict[str, tuple[Defect, ...]] = {
     "enforcement outside remembering/src/remembering/parts.py:CrushedLayer": (
         ("forgets", "return max(crushed, -gap - pressure / p.stiffness)", "return crushed"),
         ("deaf", "(gap + crushed)", "gap"),
+        ("recovers in every step", "return max(crushed, -gap - pressure / p.stiffness)", "return 0.99 * max(crushed, -gap - pressure / p.stiffness)"),
         ("pulls when crushed", "return max(0.0, min(elastic, crushing))", "return max(-crushed, min(elastic, crushing))"),
     ),
     "enforcement outside remembering/src/remembering/parts.py:WornLayer": (
@@ -751,6 +752,7 @@ CATCHES: dict[str, tuple[str, str]] = {
     "normal_law.gaps_are_only_read": ("right exponential_film", "changes the gaps"),
     "normal_law.needs_and_memory_count": ("enforcement outside remembering/src/remembering/parts.py:CrushedLayer", "forgets"),
     "normal_law.memory_is_only_in_the_state": ("right crushed", "memory of its own"),
+    "normal_law.memory_rests_at_rest": ("enforcement outside remembering/src/remembering/parts.py:CrushedLayer", "recovers in every step"),
     "normal_law.pressure_is_right_under_what_it_remembers": ("right crushed", "slope of a new layer"),
     "normal_law.tractions_press_as_they_should": ("enforcement outside soft-contact/src/soft_contact/half_traction.py:HalfTraction", "sign of by_traction"),
     "normal_law.adjoint_is_right_in_every_variant": ("enforcement outside soft-contact/src/soft_contact/half_traction.py:HalfTraction", "adjoint for all of the stress"),

@@ -130,6 +130,25 @@ def memory_is_only_in_the_state(enforcement: Enforcement) -> None:
         _later(law, gap, 1e4, 0.5, named)
 
 
+def memory_rests_at_rest(enforcement: Enforcement) -> None:
+    """A second step at the same gaps leaves the memory of a law without `dt` as it is: it does not count steps."""
+    law = _remembers(enforcement)
+    if not law.memory or "dt" in law.needs:
+        raise NotApplicable("the law declares no memory, or needs dt: its memory may change while the gap rests")
+    after = named_of(law, COUNT)
+    for gap in (_deep(law), 0.5 * _deep(law)):  # pressed, and on the way back
+        once = _later(law, gap, 1e4, 0.5, after)
+        after = _later(law, gap, 1e4, 0.5, once)
+        for name in law.memory:
+            off = float(np.max(np.abs(after[name] - once[name])))
+            allowed = 1e-9 * float(np.max(np.abs(once[name])))  # a difference of a gap and what is left of it
+            require(
+                off <= allowed,
+                f"a second step at the same gaps changes {name} by {off:.2g}, allowed {allowed:.2g}: it depends on the "
+                "number of steps; what changes in time needs dt",
+            )
+
+
 def pressure_is_right_under_what_it_remembers(enforcement: Enforcement) -> None:
     """Pressures after steps at deep gaps neither pull nor fall as gaps close, and slopes are their derivatives."""
     law = _remembers(enforcement)
@@ -385,6 +404,7 @@ CHECKS: tuple[Check, ...] = (
     gaps_are_only_read,
     needs_and_memory_count,
     memory_is_only_in_the_state,
+    memory_rests_at_rest,
     pressure_is_right_under_what_it_remembers,
     tractions_press_as_they_should,
     adjoint_is_right_in_every_variant,
