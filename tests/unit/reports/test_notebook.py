@@ -122,6 +122,8 @@ class TestResults:
 
     def test_the_end_is_the_same_with_and_without_files(self, results: Results) -> None:
         without = Results(**{**vars(results), "frames": ()})
+        assert "fields of the end alone" in repr(without)
+        assert "frames stored" not in repr(without)
         for name in ("von_mises", "stress_yy"):
             a, b = (values_of(r, moment_of(r), name)["block"] for r in (results, without))
             largest = max(np.abs(cells["stress"]).max() for cells in moment_of(without).cells.values())

@@ -57,7 +57,8 @@ def results_facts(results: Results) -> dict[str, str]:
     """The same by name."""
     summary, units = results.summary, Units.of_label(results.layout.units)
     frames = len(results.history.get("time", ()))
-    facts = {"reason": results.reason, "steps": f"{summary.get('steps', 0)}, {frames} frames stored"}
+    fields = f"{frames} frames stored" if results.frames else f"{frames} rows of history, fields of the end alone"
+    facts = {"reason": results.reason, "steps": f"{summary.get('steps', 0)}, {fields}"}
     titles = {contact.name: contact.title for contact in results.layout.contacts}
     for name, contact in list(summary.get("contacts", {}).items())[:4]:
         facts[titles.get(name, name)] = _contact(contact, units)
