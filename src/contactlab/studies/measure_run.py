@@ -96,9 +96,9 @@ def reaction_against_pressure(
     scene: Mapping[str, Any], reactions: Mapping[str, Floats], contact: int, integral: Floats
 ) -> float:
     """|R + P| / |R| with the integral P (2,) of the contact tractions on the slave and the support force R
-    on the slave's body; with -P and the master's body if the slave's has no support.
+    on the slave's body; with -P and the master's body if the slave's has no support, or a load.
 
-    nan if both bodies are free or have other contacts as well, and for a body that touches itself: its contact
+    nan if both bodies are free, loaded or have other contacts as well, and for a body that touches itself: its contact
     force is internal.
     """
     slave, master = sides(scene["contacts"][contact]) if scene.get("contacts") else ("", "")
@@ -106,11 +106,18 @@ def reaction_against_pressure(
         return math.nan
     for surface, force in ((slave, integral), (master, -integral)):
         body = body_of(surface)
-        held = [value for on, value in reactions.items() if body_of(on) == body]
+        held = [value for on, value in reactions.items() if body_of(on) == body and not _is_loaded(scene, body)]
         if held and sum(body in {body_of(surface) for surface in sides(c)} for c in scene.get("contacts", ())) == 1:
             support = np.sum(held, axis=0)
             return _quotient(_length(support + force), _length(support))
     return math.nan
+
+
+def _is_loaded(scene: Mapping[str, Any], body: str) -> bool:
+    """Return whether loads or effects push on a body beside supports and contacts."""
+    acting = [effect.get("on") or list(scene["bodies"]) for effect in scene.get("effects", ())]
+    acting += [load["on"] for load in scene.get("loads", ())]
+    return any(body in map(body_of, [on] if isinstance(on, str) else on) for on in acting)
 
 
 def sides(contact: Mapping[str, Any]) -> tuple[str, str]:
