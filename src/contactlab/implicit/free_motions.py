@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scipy.linalg import null_space, qr
+from scipy.linalg import null_space, orth, qr
 from scipy.sparse import csc_array, hstack
 from scipy.sparse.csgraph import connected_components
 
@@ -19,7 +19,8 @@ from contactlab.api import Floats, Ints
 from contactlab.implicit.factor import magnitudes
 
 HELD = 1e-9  # of a unit motion: supports that hold less of it do not hold it
-RESISTED = 1e-9  # of the largest resistance of each equation: round-off of normals far from the origin leaves 1e-11
+RESISTED = 1e-9  # of the largest resistance of a condition: round-off of normals far from the origin leaves 1e-11
+STIFF = 1e-12  # the same of stiffnesses, whose round-off is 1e-15: soft springs under a stiff body resist with 1e-10
 DRIVEN = 1e-9  # of the largest nodal force: a tenth of the usual tolerance of a node in balance
 
 
@@ -55,10 +56,10 @@ class FreeMotions:
         if not self.modes.shape[1]:
             return
         matrix = stiffness if forces is None else csc_array(stiffness - forces)
-        resisted = [_resistance(matrix, self.modes, self.free)] + [_resistance(one, self.modes) for one in conditions]
-        rows = np.concatenate(resisted)
+        resisted = [_resistance(one, self.modes, RESISTED) for one in conditions]
+        rows = np.concatenate([_resistance(matrix, self.modes, STIFF, self.free), *resisted])
         _, sizes, directions = np.linalg.svd(np.linalg.qr(rows, mode="r") if len(rows) > rows.shape[1] else rows)
-        unresisted = directions[int((sizes > RESISTED).sum()) :].T
+        unresisted = directions[int((sizes > 1.0).sum()) :].T
         driven = self.modes.T @ right @ unresisted
         # motions of supports are loads on the right
         if len(driven) and np.abs(driven).max() > DRIVEN * max(largest, float(np.abs(right).max())):
@@ -85,7 +86,7 @@ class FreeMotions:
                 continue
             rigid = _rigid(self.reference, own)
             left = null_space(rigid[own & ~self.free], rcond=HELD) if (own & ~self.free).any() else np.eye(3)
-            columns.append(csc_array(rigid @ left))
+            columns.append(csc_array(orth(rigid @ left, rcond=HELD)))  # a part may be a single degree of freedom
         return hstack(columns, format="csc") if columns else csc_array((self.reference.size, 0))
 
 
@@ -100,10 +101,10 @@ def _rigid(reference: Floats, own: Any) -> Floats:
     return np.where(own[:, None], modes.reshape(-1, 3), 0.0)
 
 
-def _resistance(matrix: Any, modes: Any, rows: Any = None) -> Floats:
-    """Return the answers of the equations to each motion, over their largest; those of round-off are left out."""
+def _resistance(matrix: Any, modes: Any, least: float, rows: Any = None) -> Floats:
+    """Return the answers of the equations to each motion, over `least` times their largest; round-off is left out."""
     answer = (matrix @ modes).toarray()
     most = np.asarray(magnitudes(csc_array(matrix)).sum(axis=1)).ravel()
-    answer /= np.where(most > 0.0, most, 1.0)[:, None]
-    kept = np.abs(answer).max(axis=1) > 1e-3 * RESISTED
+    answer /= least * np.where(most > 0.0, most, 1.0)[:, None]
+    kept = np.abs(answer).max(axis=1) > 1e-3
     return np.asarray(answer[kept if rows is None else kept & rows])

@@ -227,7 +227,8 @@ def _yield_stress(key: str, scene: Scene) -> dict[str, Any]:
 
 def test_a_sound_scene_has_no_warning() -> None:
     assert warnings_of(stretched(SMALL, 0.01)) == []
-    assert warnings_of(colliding(contacts=True)) == []
+    # blocks of few cells: nothing is missing, and impacts take energy
+    assert [warning.code for warning in warnings_of(colliding(contacts=True))] == ["impact-loss"]
 
 
 # --- overlaps ---------------------------------------------------------------------------------------
