@@ -172,7 +172,7 @@ class MomentFreeRows:
     def forces(self, multipliers: Floats) -> Floats:
         """Return the nodal forces (N, 2) of `multipliers` (c,)."""
         values = self.values * multipliers[self.row, None]
-        return np.bincount(self.column, values.ravel(), self.shape[1]).astype(np.float64).reshape(-1, 2)
+        return np.asarray(np.bincount(self.column, values.ravel(), self.shape[1]), np.float64).reshape(-1, 2)
 
     def times(self, motion: Floats) -> Floats:
         """Return the rows (c,) times a motion (N, 2)."""

@@ -128,21 +128,20 @@ class SaddleSystem:
             if contact.by_energy:
                 self.potentials = np.abs(derivatives.force.diagonal())
             self._fill_rigid_rows(plan, derivatives, response)
-            border = self._border(plan, derivatives)
+            conditions = _conditions(plan, derivatives)
+            border = self._border(plan, derivatives, conditions)
             right = right + _explicit_forces(plan, derivatives)
             if moving:
                 right = right + derivatives.force @ given
-            lower = _conditions_right(plan, derivatives, given if moving else None)
+            lower = _conditions_right(plan, conditions, given if moving else None)
             forces = derivatives.force
-            conditions = [_picked(derivatives.gap, np.searchsorted(plan.chosen, plan.normal))]
-            if len(plan.tangential):
-                conditions.append(_picked(derivatives.slip, np.searchsorted(plan.chosen, plan.tangential)))
         kind = [plan.normal.tobytes(), plan.tangential.tobytes()]
         if self.loose is not None:
             self.loose.find(stiffness, right, forces, conditions, largest)
             pins = self.number[self.loose.pins]
-            border.append((pins, pins, np.abs(stiffness.diagonal()[self.loose.pins])))
             kind.append(pins.tobytes())
+            if len(pins):
+                border.append((pins, pins, np.abs(stiffness.diagonal()[self.loose.pins])))
         full = np.concatenate([right[self.free], *lower])
         solution = self.solver.solve(self._assembled(stiffness, border, len(full)), full, tuple(kind), residual)
         du = np.zeros(self.size)
@@ -193,7 +192,7 @@ class SaddleSystem:
                 rigid = slots[held[np.searchsorted(plan.chosen, slots)]]
                 plan.by_force[kind, rigid] = 1.0 / response.by_gap[kind, rigid]
 
-    def _border(self, plan: Elimination, derivatives: ContactDerivatives) -> list[Entries]:
+    def _border(self, plan: Elimination, derivatives: ContactDerivatives, conditions: list[Any]) -> list[Entries]:
         """Return entries of contact: change of forces, columns and rows of the unknown multipliers."""
         first = len(self.free)
         second = first + len(plan.normal)
@@ -205,11 +204,11 @@ class SaddleSystem:
         directions = _picked(derivatives.normal, at)
         if derivatives.tangent is not None and plan.sliding_shear.any():
             directions = directions + _scaled(plan.sliding_shear[plan.normal], _picked(derivatives.tangent, at))
-        parts += self._both(directions, _picked(derivatives.gap, at), first, plan.by_force[0, plan.normal])
+        parts += self._both(directions, conditions[0], first, plan.by_force[0, plan.normal])
         if len(plan.tangential):
             at = np.searchsorted(plan.chosen, plan.tangential)
-            tangent, slip = _picked(derivatives.tangent, at), _picked(derivatives.slip, at)
-            parts += self._both(tangent, slip, second, plan.by_force[1, plan.tangential])
+            tangent = _picked(derivatives.tangent, at)
+            parts += self._both(tangent, conditions[1], second, plan.by_force[1, plan.tangential])
             crossed = np.flatnonzero(plan.cross[plan.tangential])
             place = first + np.searchsorted(plan.normal, plan.tangential[crossed])
             parts.append((second + crossed, place, -plan.cross[plan.tangential[crossed]]))
@@ -253,15 +252,21 @@ def _explicit_forces(plan: Elimination, derivatives: ContactDerivatives) -> Floa
     return np.asarray(forces)
 
 
-def _conditions_right(plan: Elimination, derivatives: ContactDerivatives, given: Floats | None) -> list[Floats]:
+def _conditions(plan: Elimination, derivatives: ContactDerivatives) -> list[Any]:
+    """Return derivatives (., 2N) of gaps, and of slips if there are any, of the constraints with unknown forces."""
+    found = [_picked(derivatives.gap, np.searchsorted(plan.chosen, plan.normal))]
+    if len(plan.tangential):
+        found.append(_picked(derivatives.slip, np.searchsorted(plan.chosen, plan.tangential)))
+    return found
+
+
+def _conditions_right(plan: Elimination, conditions: list[Any], given: Floats | None) -> list[Floats]:
     """Return right-hand sides of the constraints with unknown forces."""
     lower = [plan.residual[0, plan.normal]]
     if len(plan.tangential):
         lower.append(plan.residual[1, plan.tangential])
     if given is not None:
-        lower[0] = lower[0] + (derivatives.gap @ given)[np.searchsorted(plan.chosen, plan.normal)]
-        if len(plan.tangential):
-            lower[1] = lower[1] + (derivatives.slip @ given)[np.searchsorted(plan.chosen, plan.tangential)]
+        return [right + rows @ given for right, rows in zip(lower, conditions, strict=True)]
     return lower
 
 

@@ -208,7 +208,7 @@ class LineSearch:
         smallest = float(conditions.size[conditions.present].min(initial=np.inf))
         if not np.isfinite(smallest):
             smallest = self.scales.size / FEW_CELLS
-        pieces = max(1, int(np.ceil(np.hypot(*du.T).max() / smallest)))
+        pieces = int(np.ceil(np.hypot(*du.T).max() / smallest))
         length = contact.free_share(place, du, DEEPEST)
         if 1 < pieces <= MOST_PIECES:  # a correction by less than a segment is taken whole
             length = min(length, self._watched(place, du, pieces))

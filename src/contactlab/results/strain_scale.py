@@ -27,9 +27,8 @@ def round_off_of_reactions(model: Model) -> float:
 def contact_force_of_strain(model: Model, pair: ContactPair, strain: float) -> float:
     """Force [N] of a strain over the size of the scene, in the softer body of a contact."""
     nodes = np.concatenate([pair.slave.nodes, pair.master.nodes])
-    extent = float(np.ptp(model.reference, axis=0).max())
     joined = [body for body in model.bodies if np.any((nodes >= body.first) & (nodes < body.first + body.count))]
-    return strain * extent * min(body.dilatational_modulus for body in joined)
+    return strain * _scale(model)[0] * min(body.dilatational_modulus for body in joined)
 
 
 def energy_of_strain(model: Model, strain: float) -> float:

@@ -35,7 +35,7 @@ AGAIN = 0.6  # of the wished step: below it a step is stabilised where an earlie
 TURNED = 0.1  # of a step, the first one after a turn: what reverses in it has no work, in a stiff pad all friction
 HELD = 100  # steps of the longest hold: some periods, over which it is judged, are then a part of it
 NUMBER = re.compile(r"[\d.]+(e[+-]?\d+)?")
-CREEPS = 1.0 / 256.0  # of the wished step: at this length a run does not get on if each longer attempt fails
+CREEPS = 1.0 / 256.0  # of the wished step: shorter steps make no progress if every longer attempt fails
 CREPT = 20  # such steps in a row, after which it is given up
 NEARLY = 1e-9  # of a step: differences below it are round-off
 

@@ -87,7 +87,7 @@ def _broken_toml(text: str, message: str, shown: str) -> SceneError:
 
 
 def _table_hint(lines: Sequence[str]) -> str:
-    """What is wrong with the header in the last of these lines; empty if the line is no header."""
+    """Return a hint for the table header in the last of these lines; empty if the line is not a header."""
     headers = [header for line in lines if (header := _HEADER.match(line))]
     if not headers or not _HEADER.match(lines[-1]):
         return ""
