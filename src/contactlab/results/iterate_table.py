@@ -75,6 +75,8 @@ class IterateTable:
 class StoredIterates(StoredSequence[Iterate]):
     """States of the first `iterations` iterations, each read on access; with `salvage` only the undamaged ones."""
 
+    what = "iterate"
+
     def __init__(self, folder: Path, own: Any, iterations: int, salvage: bool = False) -> None:
         self.folder = folder
         self.rows: list[int] = []

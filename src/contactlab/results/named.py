@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import NoReturn, TypeVar
+from typing import TypeVar
 
 from contactlab.errors import did_you_mean
 
@@ -29,17 +29,20 @@ def unknown(what: str, name: object, known: list[str], hint: str = "") -> Unknow
 
 
 class Named(dict[str, T]):
-    """A dictionary of `what`, "history column"; `hint` says why it may be empty."""
+    """A dictionary of `what`, "history column"; `hint` says why it may be empty, `same` gives other names of keys."""
 
     what: str
     hint: str
+    same: Mapping[str, str]
 
     @classmethod
-    def of(cls, what: str, values: Mapping[str, T], hint: str = "") -> Named[T]:
+    def of(cls, what: str, values: Mapping[str, T], hint: str = "", same: Mapping[str, str] | None = None) -> Named[T]:
         """The same values with messages about `what`."""
         made = cls(values)
-        made.what, made.hint = what, hint
+        made.what, made.hint, made.same = what, hint, same or {}
         return made
 
-    def __missing__(self, name: str) -> NoReturn:
+    def __missing__(self, name: str) -> T:
+        if self.same.get(name) in self:
+            return self[self.same[name]]
         raise unknown(self.what, name, [str(known) for known in self], self.hint)

@@ -14,6 +14,7 @@ from contactlab.api.frame import ContactCurve, Event, Frame, Iterate, IterationR
 from contactlab.api.thinning import Thinning
 from contactlab.api.warning import RunWarning
 from contactlab.results.named import Named
+from contactlab.results.stored_sequence import NoneStored
 from contactlab.views import view
 
 if TYPE_CHECKING:
@@ -23,6 +24,11 @@ if TYPE_CHECKING:
     from matplotlib.animation import FuncAnimation
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+FRAMES_IN_FILES = (
+    'frames are kept in files: simulate(scene, out="runs/mine"); without, displacement, velocity and stress are those '
+    "of the end, which plot() and mesh() show"
+)
 
 __all__ = ["ContactCurve", "ContactHistory", "Results"]
 
@@ -68,7 +74,7 @@ class Results:
     summary       the content of `summary.json` (see docs/scene-format.md)
     layout        bodies, contacts, parts and versions; what does not change in time
     history       columns of `history.csv` by name, each (frames,)
-    contact       stored curves of each contact, by "contacts.0" and by the contact's name
+    contact       stored curves of each contact, by "contacts.0", by the contact's name and by "disc.arc on block.top"
     displacement  (N, 2) [mm] and velocity (N, 2) [mm/s] ((0, 2) in statics) at the end
     stress        Cauchy stress of each body at the end, (n, q, 4) xx yy zz xy [MPa]
     internal_variables  of each body whose law has any, by name (n, q), at the end
@@ -106,7 +112,9 @@ class Results:
 
     def __post_init__(self) -> None:
         self.history = Named.of("history column", self.history)
-        self.contact = Named.of("contact", self.contact)
+        self.contact = Named.of("contact", self.contact, same={c.title: c.name for c in self.layout.contacts})
+        if not len(self.frames) and self.folder is None:
+            self.frames = NoneStored.of("frame", FRAMES_IN_FILES)
 
     @property
     def status(self) -> str:

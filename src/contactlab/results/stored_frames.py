@@ -39,6 +39,8 @@ class _Datasets:
 class StoredFrames(StoredSequence[Frame]):
     """The stored frames of a run with these numbers, each read from the file on access."""
 
+    what = "frame"
+
     def __init__(self, folder: Path, layout: Layout, numbers: Sequence[int]) -> None:
         self.folder, self.layout, self.numbers = folder, layout, numbers
         self.total = len(numbers)

@@ -181,9 +181,17 @@ class TestResults:
             results.history["disc.top.fz"]
         with pytest.raises(KeyError, match=r'did you mean "energy\.kinetic"'):
             results.steps["energy.kinetc"]
-        without = Results(**{**vars(results), "step_source": ()})
+        without = Results(**{**vars(results), "step_source": (), "frames": (), "folder": None})
         with pytest.raises(KeyError, match="they are kept in files"):
             without.steps["energy.kinetic"]
+        with pytest.raises(IndexError, match=r"no frame -1: frames are kept in files: simulate\(scene, out="):
+            without.frames[-1]
+        with pytest.raises(IndexError, match=f"no frame {len(results.frames)}: there are {len(results.frames)}, 0 to"):
+            results.frames[len(results.frames)]
+
+    def test_a_contact_answers_to_the_name_that_tables_have(self, results: Results) -> None:
+        assert results.contact["disc.arc on block.top"] is results.contact["contacts.0"]
+        assert list(results.contact) == ["contacts.0"]
 
     def test_units_go_along(self, results: Results) -> None:
         units = results.to_frame().attrs["units"]
