@@ -46,7 +46,7 @@ def compare_accuracy(study: CaseStudy, options: argparse.Namespace) -> int:
         out.print(winners_sheet(evaluated.winners))
         out.say(f"page: {folder / 'accuracy.html'}")
     if found.interrupted:
-        return interrupted(folder)
+        return interrupted(options, folder)
     return 0 if any(point.finished for point in found.points) else 1
 
 

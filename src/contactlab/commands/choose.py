@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import argparse
 import math
+import shlex
+from pathlib import Path
 
 from contactlab.accuracy.answer import Tried
 from contactlab.accuracy.choose import Chosen, Wish, choose_plan
-from contactlab.commands.common import console, parse_settings, print_json, registry_with, typed, written
+from contactlab.commands.common import console, json_text, parse_settings, print_json, registry_with, typed, written
 from contactlab.commands.many import folder_of, interrupted, many
 from contactlab.reports.sheet import Column, Sheet
 from contactlab.scene.scene import load_scene
 
+FILE = "choose.json"
 CANNOT = 1
 
 
@@ -28,16 +31,18 @@ def choose(options: argparse.Namespace) -> int:
         found = driver.result(choose_plan(scene, wish, registry, driver.progress.told))
         stopped = driver.interrupted
     line = command(options, found)
+    data = {key: value for key, value in vars(found).items() if key != "configuration"} | {"command": line}
+    if not stopped:
+        (folder / FILE).write_text(json_text({"format": 1, **data}), encoding="utf-8")
     if options.json:
-        data = {key: value for key, value in vars(found).items() if key != "configuration"}
-        print_json({**data, "folder": str(folder), "command": line})
+        print_json({**data, "folder": str(folder)})
     else:
         show(found, wish, line)
     if stopped:
-        return interrupted(folder)
+        return interrupted(options, folder)
     if found.verdict != "ok":
         return CANNOT
-    return _run(options, found, str(folder / "run")) if options.run else 0
+    return _run(options, found, folder / "run") if options.run else 0
 
 
 def show(found: Chosen, wish: Wish, line: str) -> None:
@@ -53,8 +58,9 @@ def show(found: Chosen, wish: Wish, line: str) -> None:
     say(f"{found.name}, level {found.level}: {error}{cost}: {found.why}")
     say(line)
     known = f", uncertainty {100.0 * found.uncertainty:.2g} %" if math.isfinite(found.uncertainty) else ""
-    say(f"{len(found.tried)} trials, {found.spent_s:.3g} CPU s; compared by {found.judged or 'nothing'} with "
-        f"{found.reference or 'nothing'}{known}")  # fmt: skip
+    trials = "1 trial" if len(found.tried) == 1 else f"{len(found.tried)} trials"
+    compared = f"; compared by {found.judged} with {found.reference}{known}" if found.judged and found.reference else ""
+    say(f"{trials}, {found.spent_s:.3g} CPU s{compared}")
     if found.tried:
         heads = Column("configuration", keep=True), "level", "error, %", "CPU s", ""
         out.print(Sheet(heads, map(_tried, found.tried)))
@@ -76,12 +82,10 @@ def _settings(options: argparse.Namespace, found: Chosen) -> list[str]:
     return [*options.settings, *(f"{key}={written(value)}" for key, value in found.choice.items())]
 
 
-def _run(options: argparse.Namespace, found: Chosen, out: str) -> int:
+def _run(options: argparse.Namespace, found: Chosen, out: Path) -> int:
+    from contactlab.commands.arguments import make_parser
     from contactlab.commands.run import run
 
-    return run(
-        argparse.Namespace(
-            scene=options.scene, settings=_settings(options, found), files=options.files, out=out, resume=False,
-            json=options.json,
-        )
-    )  # fmt: skip
+    words = [*shlex.split(command(options, found))[1:], "--out", str(out)]
+    words += ["--json"] * options.json + ["--resume"] * (options.resume and out.exists())
+    return run(make_parser().read(words))

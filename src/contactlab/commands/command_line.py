@@ -57,7 +57,7 @@ class CommandLine(argparse.ArgumentParser):
         raise RequestError(message, where=where, allowed=usage, hint=more)
 
     def read(self, words: Sequence[str]) -> argparse.Namespace:
-        """Parse the words. Raises RequestError, with the options of the command if it does not take a word."""
+        """Parse the words, and keep them as `words`. Raises RequestError, with what the command takes in its place."""
         for word in words:
             if not _is_text(word):
                 raise RequestError(
@@ -67,6 +67,7 @@ class CommandLine(argparse.ArgumentParser):
         options, left = self.parse_known_args(words)
         if left:
             self._refuse(left, words)
+        options.words = list(words)
         return options
 
     def _refuse(self, left: Sequence[str], words: Sequence[str]) -> NoReturn:

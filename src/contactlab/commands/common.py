@@ -51,6 +51,17 @@ def typed(command: str, options: argparse.Namespace, *more: str) -> str:
     return shlex.join(["contactlab", command, options.scene, *words, *more])
 
 
+def resume_line(options: argparse.Namespace, folder: Path) -> str:
+    """The command with these options as it was typed, but resumed in `folder`."""
+    words, kept = iter(options.words), []
+    for word in words:
+        if word == "--out":
+            next(words)
+        elif word != "--resume" and not word.startswith("--out="):
+            kept.append(word)
+    return shlex.join(["contactlab", *kept, "--out", str(folder), "--resume"])
+
+
 def plugin_command(name: str, target: str, origin: Origin) -> Callable[[list[str]], int]:
     """The function behind a command of a plugin. Raises PartError if it cannot be imported."""
     module, _, function = target.partition(":")
@@ -92,8 +103,13 @@ def print_how_to_look(folder: Path, registry: Registry, out: Terminal) -> None:
 
 
 def print_json(data: Any) -> None:
-    """Data for programs on standard output; what is no finite number is null."""
-    print(json.dumps(finite(data), indent=1, allow_nan=False, default=str))
+    """Data for programs on standard output."""
+    print(json_text(data))
+
+
+def json_text(data: Any) -> str:
+    """Data as JSON; what is no finite number is null."""
+    return json.dumps(finite(data), indent=1, allow_nan=False, default=str)
 
 
 def number(value: Any) -> str:

@@ -8,8 +8,8 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from contactlab.commands.common import console, parse_settings, print_how_to_look, print_json, registry_with, typed
-from contactlab.commands.many import INTERRUPTED
+from contactlab.commands.common import console, parse_settings, print_how_to_look, print_json, registry_with
+from contactlab.commands.many import interrupted
 from contactlab.errors import RequestError, SceneError, did_you_mean, visible
 from contactlab.run.folders import results_folder
 
@@ -63,9 +63,7 @@ def _compare_scene(options: argparse.Namespace) -> int:
                 keep=options.keep,
             )  # fmt: skip
         except KeyboardInterrupt:
-            line = resume_line(options, folder)
-            console().say(f"interrupted; resume with: {line}")
-            return INTERRUPTED
+            return interrupted(options, folder)
     status = 0 if any(row.finished for row in result.rows) else 1
     if options.json:
         print_json({"folder": str(folder), **json.loads((folder / "table.json").read_text(encoding="utf-8"))})
@@ -89,14 +87,3 @@ def _print(result: Table, folder: Path, registry: Registry, options: argparse.Na
         shown.print(times_sheet(result))
     shown.say(f"report: {folder / 'report.html'}")
     print_how_to_look(folder, registry, shown)
-
-
-def resume_line(options: argparse.Namespace, folder: Path) -> str:
-    """Write the command that continues a comparison."""
-    words = [word for text in options.vary for word in ("--vary", text)]
-    words += ["--effects"] if options.effects else []
-    words += ["--time-limit", f"{options.time_limit:g}"] if options.time_limit is not None else []
-    words += ["--repeat", str(options.repeat)] if options.repeat is not None else []
-    words += ["--reference", options.reference] if options.reference is not None else []
-    words += ["--keep", options.keep] if options.keep != "all" else []
-    return typed("compare", options, *words, "--out", str(folder), "--resume")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -29,7 +30,7 @@ def error_budget(options: argparse.Namespace) -> int:
         folder = folder_of(driver)
         found = driver.result(budget_plan(scene, registry, driver.progress.told))
         if driver.interrupted:
-            return interrupted(folder)
+            return interrupted(options, folder)
     shares = [asdict(share) | {"gain": share.gain, "resolved": share.resolved} for share in found.shares]
     best = found.cheapest
     data = {"format": 1, "status": found.status, "reason": found.reason, "cost": found.cost, "shares": shares,
@@ -50,8 +51,11 @@ def show(found: ErrorBudget, folder: Path) -> None:
     if not found.shares:
         say(f"the run of the unchanged scene ended {found.status}: {found.reason}")
         return
-    heads = [Column(name, keep=True) for name in ("made finer", "pressure, %")]
-    out.print(Sheet([*heads, "force, %", "CPU s", "more, s", "how", ""], map(_row, found.shares)))
+    heads = [Column("made finer", keep=True), Column("pressure", "%", keep=True), Column("force", "%")]
+    out.print(Sheet([*heads, Column("CPU", "s"), Column("more", "s"), "how"], map(_row, found.shares)))
+    for share in found.shares:
+        if remark := _remark(share):
+            say(f"{share.knob.name}: {remark}")
     say(
         f"parts of the error of the unchanged scene ({significant(found.cost, 2)} CPU s), by refining each choice; "
         "mesh and elements: the same error twice; slaves: the difference, either may be right"
@@ -66,12 +70,31 @@ def show(found: ErrorBudget, folder: Path) -> None:
 
 
 def _row(share: Share) -> list[str]:
-    settings = ", ".join(f"{key}={written(value, digits=6)}" for key, value in _changed(share))
-    end = "" if share.status == "finished" else f"{share.status}: {share.reason[:60]}"
-    end = "does not help: no closer to the finer mesh" if share.away else end
-    end = end if share.resolved else f"not resolved: no estimate from changes above {percent(UNRESOLVED)} %"
+    settings = ", ".join(f"{key}={written(value, digits=6)}" for key, value in _gathered(_changed(share)))
     costs = significant(share.cost, 2), significant(share.extra, 2)
-    return [share.knob.name, _part(share.pressure), _part(share.force), *costs, settings, end]
+    return [share.knob.name, _part(share.pressure), _part(share.force), *costs, settings]
+
+
+def _remark(share: Share) -> str:
+    """Why the numbers of a row are none, or say little."""
+    if not share.resolved:
+        return f"not resolved: no estimate from changes above {percent(UNRESOLVED)} %"
+    if share.away:
+        return "does not help: no closer to the finer mesh"
+    return "" if share.status == "finished" else f"{share.status}: {share.reason}"
+
+
+def _gathered(changed: Sequence[tuple[str, Any]]) -> list[tuple[str, Any]]:
+    """Keys that differ in one name and have the same value as one: bodies.{disc,block}.element."""
+    groups: dict[tuple[str, str, Any], list[str]] = {}
+    for key, value in changed:
+        first, _, rest = key.partition(".")
+        name, _, last = rest.rpartition(".")
+        groups.setdefault((first, last, value) if name else (key, "", value), []).append(name)
+    return [
+        (f"{first}.{names[0] if len(names) == 1 else '{' + ','.join(names) + '}'}.{last}" if last else first, value)
+        for (first, last, value), names in groups.items()
+    ]
 
 
 def _part(value: float) -> str:

@@ -9,6 +9,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from contactlab.commands.common import resume_line
+from contactlab.errors import visible
+
 if TYPE_CHECKING:
     from contactlab.jobs.driver import Driver
 
@@ -35,8 +38,8 @@ def folder_of(driver: Driver) -> Path:
     return driver.folder
 
 
-def interrupted(folder: Path) -> int:
+def interrupted(options: argparse.Namespace, folder: Path) -> int:
     """Say how to resume in `folder`; returns the exit status."""
-    line = f"interrupted; finished runs are kept; to resume add --out {folder} --resume to the same command"
-    print(line, file=sys.stderr)
+    line = f"interrupted; resume with: {resume_line(options, folder)}"
+    print(visible(line), file=sys.stderr)
     return INTERRUPTED

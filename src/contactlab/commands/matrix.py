@@ -32,7 +32,7 @@ def matrix(options: argparse.Namespace) -> int:
         else:
             found = run_matrix(request, registry, driver)
         if driver.interrupted:
-            return interrupted(folder)
+            return interrupted(options, folder)
     if options.margins:
         return show_margins(margins, folder, options)
     write_folder(found, folder)

@@ -46,10 +46,10 @@ def runs(options: argparse.Namespace) -> int:
         scene = "" if path.startswith(folder.scene) else folder.scene
         changed = changed_text(folder.changes)
         rows.append([path, _date(folder), scene, changed, folder.status, _size(folder.bytes)])
-    name, date, size = (Column(text, whole=True, number=text == "size") for text in ("folder", "date", "size"))
-    out.print(Sheet((name, date, "scene", "changed", "status", size), rows))
+    name, size = Column("folder", whole=True), Column("size", whole=True, number=True)
+    out.print(Sheet((name, "date", Column("scene", leaves=1), "changed", "status", size), rows, more="--json"))
     total = _size(sum(folder.bytes for folder in found))
-    out.print(f"{len(found)} folders, {total}; remove some: contactlab runs --remove NAME ...", highlight=False)
+    out.print(f"{_folders(len(found))}, {total}; remove some: contactlab runs --remove NAME ...", highlight=False)
     return 0
 
 
@@ -64,6 +64,10 @@ def _value(value: Any) -> str:
 
 def _date(folder: Folder) -> str:
     return strftime("%Y-%m-%d %H:%M", localtime(folder.date))
+
+
+def _folders(number: int) -> str:
+    return "1 folder" if number == 1 else f"{number} folders"
 
 
 def _size(size: int) -> str:
@@ -104,10 +108,10 @@ def _remove(chosen: Sequence[Folder], sure: bool) -> int:
     if not chosen:
         print("nothing to remove")
         return 0
-    if not sure and input(f"remove these {len(chosen)} folders, {total}? [y/N] ").strip().lower() not in ("y", "yes"):
+    if not sure and input(f"remove {_folders(len(chosen))}, {total}? [y/N] ").strip().lower() not in ("y", "yes"):
         print("nothing removed")
         return 1
     for folder in chosen:
         rmtree(folder.path)
-    print(f"removed {len(chosen)} folders, {total}")
+    print(f"removed {_folders(len(chosen))}, {total}")
     return 0

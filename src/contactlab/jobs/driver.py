@@ -360,9 +360,9 @@ class Driver:
             if self._under_way:
                 names = [waiting.run.name for waiting in self._under_way.values()]
                 shown = ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
-                runs = f"{len(names)} run{'s' * (len(names) > 1)}"
+                saved = "1 run has saved its state" if len(names) == 1 else f"{len(names)} runs have saved their states"
                 print(
-                    f"contactlab: stopping when {runs} have saved the state: {shown} (Ctrl-C again kills them)",
+                    f"contactlab: stopping when {saved}: {shown} (Ctrl-C again kills them)",
                     file=sys.stderr,
                 )
             for waiting in self._queue:

@@ -1,21 +1,26 @@
-"""Result folders of runs, comparisons and matrices, with the data that distinguishes them."""
+"""Result folders of all commands, with the data that distinguishes them."""
 
 from __future__ import annotations
 
-import csv
 import json
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from contactlab.scene.toml_text import read_toml
 
-KINDS = {"table.json": "comparison", "matrix.csv": "matrix", "accuracy.csv": "accuracy", "scene.toml": "run"}
-"""File that only a folder of this kind has; the first that exists counts."""
+KINDS = {
+    "table.json": "comparison", "matrix.json": "matrix", "accuracy.json": "accuracy", "choose.json": "choice",
+    "error-budget.json": "error budget", "scene.toml": "run", "archive.sqlite": "interrupted",
+}  # fmt: skip
+"""File that only a folder of this kind has; the first that exists counts. An archive alone: nothing has ended yet."""
 
 FINISHED = "finished"
+
+Found = tuple[str, Mapping[str, Any], str, bool]
+"""Scene, changes, status, and whether all finished."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +30,8 @@ class Folder:
     date     of the last change, seconds since 1970
     scene    name of the scene or study
     changes  keys that differ from the bundled scene, or from the first run of this scene in the list
-    status   of a run; "4 of 6 finished" of a comparison
+    status   of a run; "4 of 6 finished" of a comparison; number of cells by verdict of a matrix
+    finished whether the command did all that it was asked for, and every run of a comparison finished
     bytes    size with everything inside
     """
 
@@ -35,13 +41,8 @@ class Folder:
     scene: str
     changes: Mapping[str, Any]
     status: str
+    finished: bool
     bytes: int
-
-    @property
-    def finished(self) -> bool:
-        """Return whether everything in the folder finished."""
-        done, of, total = self.status.partition(" of ")
-        return done == total.partition(" ")[0] if of else self.status == FINISHED
 
 
 def folders_in(places: Sequence[Path], bundled: Callable[[str], Mapping[str, Any] | None]) -> list[Folder]:
@@ -75,40 +76,64 @@ def _read(
 ) -> Folder:
     size = sum(file.stat().st_size for file in path.rglob("*") if file.is_file())
     try:
-        scene, changes, status = _READERS[kind](path)
+        scene, changes, status, finished = _READERS[kind](path)
     except (OSError, ValueError, KeyError, TypeError) as error:
-        scene, changes, status = "", {}, f"unreadable: {type(error).__name__}"
+        scene, changes, status, finished = "", {}, f"unreadable: {type(error).__name__}", False
     if kind == "run" and changes:
         own = bundled(scene)
         base = flat(own) if own is not None else first.setdefault(scene, changes)
         changes = differences(changes, base)
-    return Folder(path, kind, _date(path), scene, changes, status, size)
+    return Folder(path, kind, _date(path), scene, changes, status, finished, size)
 
 
-def _run(path: Path) -> tuple[str, Mapping[str, Any], str]:
+def _run(path: Path) -> Found:
     data, _ = read_toml(path / "scene.toml", "scene.toml")
     summary = path / "summary.json"
-    status = json.loads(summary.read_text(encoding="utf-8"))["status"] if summary.is_file() else "interrupted"
-    return str(data["name"]), flat(data), str(status)
+    status = _json(summary)["status"] if summary.is_file() else "interrupted"
+    return str(data["name"]), flat(data), str(status), status == FINISHED
 
 
-def _comparison(path: Path) -> tuple[str, Mapping[str, Any], str]:
-    data = json.loads((path / "table.json").read_text(encoding="utf-8"))
-    study = data["study"]
-    done = sum(row["status"] == FINISHED for row in data["rows"])
-    return str(study["scene"]), dict(study.get("vary", {})), f"{done} of {len(data['rows'])} finished"
+def _comparison(path: Path) -> Found:
+    data = _json(path / "table.json")
+    study, rows = data["study"], data["rows"]
+    done = sum(row["status"] == FINISHED for row in rows)
+    return str(study["scene"]), dict(study.get("vary", {})), f"{done} of {len(rows)} finished", done == len(rows)
 
 
-def _cells(path: Path) -> tuple[str, Mapping[str, Any], str]:
-    name = next(name for name in ("matrix.csv", "accuracy.csv") if (path / name).is_file())
-    with (path / name).open(encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
-    counts = Counter(row.get("verdict") or row.get("status") or "" for row in rows)
-    return path.name, {}, ", ".join(f"{count} {word}" for word, count in counts.most_common(3))
+def _matrix(path: Path) -> Found:
+    return path.name, {}, _counted(cell["verdict"] for cell in _json(path / "matrix.json")["cells"]), True
 
 
-_READERS: dict[str, Callable[[Path], tuple[str, Mapping[str, Any], str]]] = {
-    "run": _run, "comparison": _comparison, "matrix": _cells, "accuracy": _cells,
+def _accuracy(path: Path) -> Found:
+    data = _json(path / "accuracy.json")
+    return path.name, {}, _counted(point["status"] for point in data["points"]), not data["interrupted"]
+
+
+def _choice(path: Path) -> Found:
+    data = _json(path / "choose.json")
+    return path.name, dict(data["choice"]), str(data["verdict"]), True
+
+
+def _budget(path: Path) -> Found:
+    status = str(_json(path / "error-budget.json")["status"])
+    return path.name, {}, status, status == FINISHED
+
+
+def _interrupted(path: Path) -> Found:
+    return path.name, {}, "interrupted", False
+
+
+def _json(file: Path) -> Any:
+    return json.loads(file.read_text(encoding="utf-8"))
+
+
+def _counted(words: Iterable[str]) -> str:
+    return ", ".join(f"{count} {word}" for word, count in Counter(words).most_common())
+
+
+_READERS: dict[str, Callable[[Path], Found]] = {
+    "run": _run, "comparison": _comparison, "matrix": _matrix, "accuracy": _accuracy, "choice": _choice,
+    "error budget": _budget, "interrupted": _interrupted,
 }  # fmt: skip
 
 

@@ -84,6 +84,45 @@ def test_nothing_is_removed_without_an_answer(
     assert (here / "runs/mine").is_dir()
 
 
+def laboratory(runs: Path) -> None:
+    """A matrix of three cells, one of them with several measures, a choice, an error budget, and an interrupted one."""
+    cells = [{"case": "patch", "verdict": verdict, "measures": [1, 2, 3]} for verdict in ("silent", "met", "met")]
+    point = {"status": "diverged"}
+    files = {
+        "matrix/matrix.json": {"cells": cells}, "chosen/choose.json": {"verdict": "cannot", "choice": {"level": 2}},
+        "budget/error-budget.json": {"status": "finished"},
+        "accuracy/accuracy.json": {"points": [point], "interrupted": False},
+    }  # fmt: skip
+    for name, data in files.items():
+        (runs / name).parent.mkdir()
+        (runs / name).write_text(json.dumps(data))
+        (runs / name).with_name("archive.sqlite").touch()
+    (runs / "stopped").mkdir()
+    (runs / "stopped/archive.sqlite").touch()
+
+
+def test_folders_of_all_commands_are_listed(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A matrix has a verdict for each cell, not for each measure; what was stopped is listed as well."""
+    laboratory(here / "runs")
+    found = {Path(str(one["folder"])).name: one["status"] for one in listed(capsys)}
+    assert {name: found[name] for name in ("matrix", "chosen", "budget", "accuracy", "stopped")} == {
+        "matrix": "2 met, 1 silent", "chosen": "cannot", "budget": "finished", "accuracy": "1 diverged",
+        "stopped": "interrupted",
+    }  # fmt: skip
+
+
+def test_what_has_ended_is_no_failure_whatever_it_found(here: Path) -> None:
+    laboratory(here / "runs")
+    assert main(["runs", "--remove", "failed", "--yes"]) == 0
+    left = sorted(path.name for path in (here / "runs").iterdir())
+    assert left == ["accuracy", "budget", "chosen", "disc-on-block-002", "matrix", "notes"]
+
+
+def test_one_folder_is_no_folders(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["runs", "--remove", "mine", "--yes"]) == 0
+    assert "removed 1 folder," in capsys.readouterr().out
+
+
 def test_another_part_stands_for_its_fields() -> None:
     base = flat({"a": {"use": "x", "k": 1.0}, "b": [{"c": 1}, {"c": 2}]})
     assert differences(flat({"a": {"use": "y", "m": 2.0}, "b": [{"c": 1}, {"c": 2}]}), base) == {"a": "y"}
