@@ -27,5 +27,5 @@ def matrix_sheet(matrix: Matrix) -> Sheet:
             kind=result.verdict,
             hint=result.reason,
         )
-    heads = [Column(name, keep=name not in KEYS[1:]) for name in (*KEYS, *contacts)]
+    heads = [Column(name, keep=name not in KEYS[1:], leads=name in KEYS) for name in (*KEYS, *contacts)]
     return Sheet(heads, ([*key, *(cells.get(name, "") for name in contacts)] for key, cells in lines.items()))

@@ -24,6 +24,8 @@ MOST = 3
 """Contacts that are listed; if there are more, only the contact with the highest pressure."""
 
 THE_END = "at the end"
+SMALL_PART = 1e-4
+"""Part of the work below which no number is shown."""
 CLEARLY = 0.999
 """Ratio of two values below which both are shown."""
 
@@ -78,7 +80,8 @@ def _lines(results: Results, scene: Mapping[str, Any]) -> Iterator[tuple[str, st
     yield "steps", _steps(results.summary)
     if took := results.summary.get("stabilisation"):
         steps = "1 step" if took["steps"] == 1 else f"{took['steps']:.0f} steps"
-        yield "stabilised", f"{steps}; stabilisation took {took['share']:.2%} of the work"
+        part = f"{took['share']:.2%}" if abs(took["share"]) >= SMALL_PART else f"less than {SMALL_PART:.2%}"
+        yield "stabilised", f"{steps}; stabilisation took {part} of the work"
     codes = list(dict.fromkeys(warning.code for warning in results.warnings))
     yield "warnings", f"{len(codes)}: {', '.join(codes)}" if codes else "none"
 
@@ -102,8 +105,9 @@ def _pressures(results: Results, units: Units) -> list[str]:
     texts = []
     for name in peaks if not more else highest[:1]:
         peak, end = peaks[name], number(summary["contacts"].get(name, {}).get("max_pressure"))
-        text = f"{_with_unit(peak['value'], units.pressure)}, {titles[name]}, {moment(peak, summary, units)}"
-        if end < CLEARLY * peak["value"]:
+        when = moment(peak, summary, units)
+        text = f"{_with_unit(peak['value'], units.pressure)}, {titles[name]}, {when}"
+        if when != THE_END and end < CLEARLY * peak["value"]:
             text += f"; {THE_END} {_with_unit(end, units.pressure)}"
         if (nodal := other_peak(summary["contacts"].get(name, {}))) is not None:
             text += f"; {_with_unit(nodal, units.pressure)} as force over length {THE_END}"

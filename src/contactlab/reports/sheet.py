@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from textwrap import wrap
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions, RenderableType
@@ -17,6 +18,9 @@ STYLES = {
     **dict.fromkeys(("failed", "diverged", "refused", "interrupted", "timed-out"), "red"),
 }  # fmt: skip
 """Styles of a terminal for kinds of cells; on a page kinds are classes."""
+
+WORDS: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": True}
+"""How lines are broken: numbers such as 6.1e-13 and keys stay whole."""
 
 _SPECIAL = {
     "\\": r"\textbackslash{}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_", "{": r"\{", "}": r"\}",
@@ -34,6 +38,7 @@ class Column:
     whole    cells are not folded over lines
     keep     stays on a narrow terminal, even if all rows have the same text or none
     leaves   turn in which it leaves a narrow terminal: 1 before 2; 0 stays, unless all rows have the same text
+    leads    stands before each part of a table that is too wide for a terminal
     extra    shown on a page on demand
     """
 
@@ -45,6 +50,7 @@ class Column:
     whole: bool = False
     keep: bool = False
     leaves: int = 0
+    leads: bool = False
     extra: bool = False
 
     @property
@@ -110,11 +116,12 @@ class Sheet:
     # --- on a terminal ---
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[RenderableType]:
-        """Draw what fits, and name what had to leave."""
+        """Draw what fits, in parts if columns lead, and name what had to leave."""
         from rich.text import Text
 
         shown, left = self.fitting(options.max_width)
-        yield self.drawn(shown)
+        for part in self.parts(shown, options.max_width):
+            yield self.drawn(part, options.max_width)
         same = [k for k in left if self._same(k)]
         said = (f"{self.columns[k].title} {self.texts(k)[0]} {self.columns[k].unit}".strip() for k in same)
         if same:
@@ -144,11 +151,44 @@ class Sheet:
 
     def width(self, shown: Sequence[int]) -> int:
         """Width of a terminal that these columns need unfolded."""
-        from contactlab.reports.terminal import Terminal
+        return _framed([self._widest(k) for k in shown])
 
-        return Terminal(width=1000).measure(self.drawn(shown)).maximum
+    def parts(self, shown: Sequence[int], width: int) -> list[list[int]]:
+        """Columns that are drawn together: all, or, behind those that lead, as many as fit without cutting words."""
+        lead = [k for k in shown if self.columns[k].leads]
+        parts = [list(lead)]
+        for k in (k for k in shown if k not in lead or not lead):
+            if lead and len(parts[-1]) > len(lead) and _framed(map(self._least, [*parts[-1], k])) > width:
+                parts.append(list(lead))
+            parts[-1].append(k)
+        return [sorted(part) for part in parts]
 
-    def drawn(self, shown: Sequence[int]) -> RichTable:
+    def _lines(self, k: int) -> Iterator[tuple[str, str]]:
+        """Each line of the column, heading included, with its mark."""
+        heading = (self.columns[k].short or self.columns[k].title).split("\n")
+        yield from ((line, "") for line in (*heading, self.columns[k].unit))
+        for cell in (row.cells[k] for row in self.rows):
+            yield from ((line, cell.mark) for line in cell.text.split("\n"))
+
+    def _widest(self, k: int) -> int:
+        return max(len(line) + len(mark) for line, mark in self._lines(k))
+
+    def _least(self, k: int) -> int:
+        """Width below which words of the column would be cut."""
+        if self.columns[k].whole:
+            return self._widest(k)
+        return max(len(word) + len(mark) for line, mark in self._lines(k) for word in wrap(line, 1, **WORDS) or [""])
+
+    def widths(self, shown: Sequence[int], width: int) -> list[int | None]:
+        """Width of each column: the widest are folded first, and no word is cut if that is possible."""
+        found, least = [self._widest(k) for k in shown], [self._least(k) for k in shown]
+        if _framed(found) <= width or _framed(least) > width:
+            return [None] * len(shown)
+        while _framed(found) > width:
+            found[max((k for k in range(len(shown)) if found[k] > least[k]), key=found.__getitem__)] -= 1
+        return list(found)
+
+    def drawn(self, shown: Sequence[int], width: int) -> RichTable:
         """Table of these columns for a terminal."""
         from rich import box
         from rich.table import Table
@@ -158,16 +198,23 @@ class Sheet:
             box=box.SIMPLE_HEAD, collapse_padding=True, pad_edge=False, title=Text(self.title) if self.title else None,
             title_justify="left", title_style="bold", show_header=any(self.columns[k].title for k in shown),
         )  # fmt: skip
-        for column in (self.columns[k] for k in shown):
-            heading = Text(column.short or column.title)
+        widths = self.widths(shown, width)
+        for column, wide in zip((self.columns[k] for k in shown), widths, strict=True):
+            heading = Text(_folded(column.short or column.title, wide))
             if column.unit:
                 heading.append(f"\n{column.unit}", style="dim")
             made.add_column(
-                heading, overflow="fold", no_wrap=column.whole, justify="right" if column.number else "left"
-            )
+                heading, overflow="fold", no_wrap=column.whole, justify="right" if column.number else "left",
+                width=wide,
+            )  # fmt: skip
         for row in self.rows:
-            cells = (row.cells[k] for k in shown)
-            texts = (Text(cell.text, STYLES.get(cell.kind, "")).append(cell.mark, "bold yellow") for cell in cells)
+            cells = zip((row.cells[k] for k in shown), widths, strict=True)
+            texts = (
+                Text(_folded(cell.text, wide and wide - len(cell.mark)), STYLES.get(cell.kind, "")).append(
+                    cell.mark, "bold yellow"
+                )
+                for cell, wide in cells
+            )
             made.add_row(*texts, end_section=row.ends)
         return made
 
@@ -225,6 +272,18 @@ class Sheet:
         ]
         more = [] if len(shown) == len(rows) else [f"... and {len(rows) - len(shown)} more"]
         return "\n".join([self.title, *lines, *more])
+
+
+def _framed(widths: Iterable[int]) -> int:
+    """Width of a table with columns of these widths: two characters between columns, and one on either side."""
+    return sum(width + 2 for width in widths)
+
+
+def _folded(text: str, width: int | None) -> str:
+    """The text in lines of at most so many characters, broken between words and behind hyphens between letters."""
+    if width is None:
+        return text
+    return "\n".join("\n".join(wrap(line, max(1, width), **WORDS)) for line in text.split("\n"))
 
 
 def escaped(text: str) -> str:

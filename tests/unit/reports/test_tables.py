@@ -10,14 +10,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from rich.console import Console
+from rich.progress import Progress
 
 from contactlab.api import RunWarning
 from contactlab.api.drawing.units import Units
 from contactlab.api.frame import ContactLayout, Layout
+from contactlab.commands.run import progress_columns
 from contactlab.reports.findings import findings, sentence, span
 from contactlab.reports.numbers import significant, uncertain
 from contactlab.reports.run import render_run
 from contactlab.reports.run_details import render_details
+from contactlab.reports.sheet import Column, Sheet
 from contactlab.reports.table import USUAL, every_number, render
 from contactlab.results.results import ContactCurve, ContactHistory, Results
 from contactlab.studies.table import Row, Table
@@ -129,6 +132,41 @@ class TestComparison:
         assert span((2.0, 2.0), "s") == "2.0 s"
 
 
+class TestNarrowTerminal:
+    def test_no_word_or_number_is_cut_while_the_columns_have_room(self) -> None:
+        """Words of 11, 16 and 9 characters, and two spaces a column: 42; the long texts are folded between words."""
+        rows = [["interrupted", "level=[1, 2, 3], time.end=2.5e-06", "met 6.1e-13"]]
+        text = shown(Sheet(["status", "changed", "mortar-p1 + nitsche"], rows), 42)
+        assert max(map(len, text.splitlines())) <= 42
+        assert {"interrupted", "time.end=2.5e-06", "6.1e-13"} <= set(text.split())
+
+    def test_words_break_behind_hyphens_between_letters_and_nowhere_else(self) -> None:
+        text = shown(Sheet(["integrator", "value"], [["central-difference", "-1.5e-10 to -7"]]), 24)
+        assert [line.split() for line in text.splitlines() if "-" in line] == [
+            ["central-", "-1.5e-10"], ["difference", "to", "-7"],
+        ]  # fmt: skip
+
+    def test_a_table_that_is_too_wide_is_drawn_in_parts_behind_the_columns_that_lead(self) -> None:
+        names = [f"algorithm{k}" for k in range(5)]
+        heads = [Column("case", leads=True, keep=True), *(Column(name, keep=True) for name in names)]
+        text = shown(Sheet(heads, [["patch", *(f"{k}.{k}e-13" for k in range(5))]]), 40)
+        assert max(map(len, text.splitlines())) <= 40
+        assert [line.split() for line in text.splitlines() if "case" in line] == [
+            ["case", "algorithm0", "algorithm1"], ["case", "algorithm2", "algorithm3"], ["case", "algorithm4"],
+        ]  # fmt: skip
+        assert text.split().count("patch") == 3
+
+    @pytest.mark.parametrize("name", ["disc", "disc-on-block", "a-name-that-is-far-too-long-for-any-terminal"])
+    @pytest.mark.parametrize("width", [80, 100, 140])
+    def test_the_bar_of_a_run_shows_all_its_words(self, name: str, width: int) -> None:
+        progress = Progress(*progress_columns(name, width), console=Console(file=io.StringIO(), width=width))
+        progress.add_task("100 %  step 123456  t 2.86e-06  energy error 1e-15", total=1.0, completed=0.5)
+        (line,) = shown(progress.get_renderable(), width).splitlines()
+        assert "energy error 1e-15 0:00:00" in line
+        assert line.startswith(name[:10])
+        assert "\N{HORIZONTAL ELLIPSIS}" not in line
+
+
 SCENE = {"units": "mm N s t", "symmetry": "x", "contacts": [{"slave": "upper.bottom", "master": "lower.top"}],
          "supports": [{"on": "upper.top", "uy": {"to": -0.1}}]}  # fmt: skip
 
@@ -165,6 +203,19 @@ class TestSingleRun:
         )
         empty = np.zeros((0, 2))
         return Results(summary, layout, history, history, empty, empty, {}, {}, folder=Path("runs/squeeze-001"))
+
+    def test_a_peak_at_the_end_has_one_value(self, results: Results) -> None:
+        """The last step of an interrupted run may have a higher pressure than the mean that its last frame stores."""
+        results.summary["contacts"]["contacts.0"]["max_pressure"] = 90.0
+        results.summary["peaks"]["contacts"] = {"contacts.0": {"pressure": {"value": 100.0, "step": 9000, "time": 0.5}}}
+        results.summary["steps"] = 9000
+        text = " ".join(shown(render_run(results, SCENE)).split())
+        assert "peak pressure 100.00 MPa, upper.bottom on lower.top, at the end peak force" in text
+
+    @pytest.mark.parametrize(("share", "text"), [(-3e-7, "less than 0.01% of"), (0.034, "3.40% of")])
+    def test_stabilisation_without_work_is_no_negative_zero(self, results: Results, share: float, text: str) -> None:
+        results.summary["stabilisation"] = {"steps": 2.0, "share": share}
+        assert f"2 steps; stabilisation took {text} the work" in shown(render_run(results, SCENE))
 
     def test_of_many_contacts_the_highest_is_shown(self, results: Results) -> None:
         peaks = {f"contacts.{k}": {"pressure": {"value": 1.0 + k % 3, "step": 3, "share": 0.2}} for k in range(6)}
