@@ -83,7 +83,7 @@ def _imports(path: Path, everywhere: bool) -> Iterator[str]:
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and node.module:
             yield from (f"{node.module}.{alias.name}" for alias in node.names)
-        pending += ast.iter_child_nodes(node)
+        pending += (child for child in ast.iter_child_nodes(node) if not isinstance(child, ast.expr))
 
 
 def core_imports(path: Path, everywhere: bool = True) -> set[str]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping
-from itertools import pairwise
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -133,22 +132,32 @@ class NormalLaw(Enforcement):
         The default is the integral of the pressure over gaps under the present memory, without the energy dissipated
         by a law. A law that needs "dt" stores nothing by default.
         """
+        if "dt" in self.needs:
+            return np.zeros_like(gap)
         first = self.begins()
         depth = np.maximum(first - gap, 0.0)
         nodes, weights = np.polynomial.legendre.leggauss(4)
         # panels are shorter towards the gap, as curves are steep there
         edges = 1.0 - np.linspace(1.0, 0.0, _PANELS + 1) ** 2
-        total, pressure, slope = np.zeros_like(gap), np.zeros_like(gap), np.zeros_like(gap)
-        if "dt" in self.needs:
-            return total
-        for low, high in pairwise(edges):
-            for node, weight in zip(nodes, weights, strict=True):
-                share = low + 0.5 * (node + 1.0) * (high - low)
-                self.pressure(first - share * depth, stiffness, size, pressure, slope, **named)
-                total += 0.5 * weight * (high - low) * depth * pressure
+        length = np.diff(edges)[:, None]
+        share = (edges[:-1, None] + 0.5 * (nodes + 1.0) * length).ravel()
+        weight = (0.5 * weights * length).ravel()
+        at = (first - np.outer(share, depth)).ravel()
+        pressure, slope = np.zeros_like(at), np.zeros_like(at)
+        behind, known = (_repeated(values, len(share)) for values in ({"k": stiffness, "size": size}, named))
+        self.pressure(at, *behind.values(), pressure, slope, **known)
+        total: Floats = depth * (weight @ pressure.reshape(len(share), -1))
         return total
 
     @classmethod
     def has_formula(cls) -> bool:
         """Return whether `pressure` was written as a formula."""
         return "pressure" in formulas_of(cls)
+
+
+def _repeated(values: Mapping[str, Any], count: int) -> dict[str, Any]:
+    """Return arrays (count k, ...) of arrays (k, ...) one behind the other, and numbers as they are."""
+    return {
+        name: np.tile(value, (count, *np.ones(np.ndim(value) - 1, dtype=int))) if np.ndim(value) else value
+        for name, value in values.items()
+    }

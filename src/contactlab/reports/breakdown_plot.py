@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter
 
 from contactlab.reports.breakdown_table import EXPLANATION, effects_sheet, reasons, sentence
-from contactlab.reports.figures import ALARM, INK, MUTED, house_style, note, save
+from contactlab.reports.figures import ALARM, INK, MUTED, house_style, laid_out, note, save
 from contactlab.reports.html import document, figure_section, machine_section, scene_section, section
 from contactlab.reports.numbers import percent
 from contactlab.studies.cost_breakdown import CostBreakdown, EffectCost
@@ -143,7 +143,7 @@ _PLOT = (
 
 def write_breakdown_report(table: Table, breakdown: CostBreakdown, folder: Path) -> None:
     """Write `report.html` and the plot (SVG and PNG) into the folder."""
-    figure = breakdown_figure(breakdown)
+    figure = laid_out(breakdown_figure(breakdown))
     save(figure, folder, "bill")
     notes = "".join(f'<p class="note">{escape(text)}</p>\n' for text in reasons(breakdown.effects))
     head = (

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Final
+from weakref import WeakKeyDictionary
 
 from matplotlib import rc_context
 from matplotlib.axes import Axes
@@ -61,25 +62,46 @@ def house_style() -> Iterator[None]:
 
 def save(figure: Figure, folder: Path, name: str) -> None:
     """Write a figure as `name`.svg and `name`.png into the folder."""
+    (folder / f"{name}.svg").write_text(_svg(figure), encoding="utf-8")
     with house_style():
-        figure.savefig(folder / f"{name}.svg", metadata={"Date": None, "Creator": None})
         figure.savefig(folder / f"{name}.png", dpi=160)
 
 
+_FINAL: WeakKeyDictionary[Figure, list[str]] = WeakKeyDictionary()
+"""Figures that nothing changes any more, with their SVG text if it was drawn."""
+
+
 def laid_out(figure: Figure) -> Figure:
-    """The same with its layout made once: else each file of it takes as long again as it takes to draw."""
+    """The same in its last state: its layout is made once, and its SVG once for a file and a page."""
     with house_style():
         figure.draw_without_rendering()
+        engine = figure.get_layout_engine()
+        if engine is not None:
+            engine.execute(figure)  # after one pass alone, a title above wide axes may be cut off
     figure.set_layout_engine("none")
+    _FINAL[figure] = []
     return figure
+
+
+def is_laid_out(figure: Figure) -> bool:
+    """Return whether a figure has its last layout."""
+    return figure in _FINAL
+
+
+def _svg(figure: Figure) -> str:
+    """SVG text of a figure."""
+    known = _FINAL.get(figure, [])
+    if not known:
+        buffer = io.StringIO()
+        with house_style():
+            figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
+        known.append(buffer.getvalue())
+    return known[0]
 
 
 def inline_svg(figure: Figure, name: str, description: str) -> str:
     """SVG text for a page: its greys are custom properties, its identifiers begin with `name`."""
-    buffer = io.StringIO()
-    with house_style():
-        figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
-    svg = buffer.getvalue()
+    svg = _svg(figure)
     svg = svg[svg.index("<svg") :]
     svg = re.sub(r'\b(id="|xlink:href="#|url\(#)', rf"\g<1>{name}-", svg)
     for colour, variable in ((INK, "ink"), (MUTED, "muted"), (FAINT, "faint"), (PAPER, "paper"), (ALARM, "bad")):

@@ -12,7 +12,7 @@ from contactlab.api.drawing.colours import Style, styles
 from contactlab.api.drawing.units import Units
 from contactlab.reports.body_plot import body_figure, shown_row
 from contactlab.reports.cost_plot import cost_figure
-from contactlab.reports.figures import save
+from contactlab.reports.figures import laid_out, save
 from contactlab.reports.findings import Finding, findings, heading, sentence, span
 from contactlab.reports.force_plot import force_figure, has_curves
 from contactlab.reports.html import (
@@ -39,7 +39,7 @@ def write_report(table: Table, folder: Path) -> None:
 
         write_breakdown_report(table, table.breakdown, folder)
         return
-    figures = draw(table)
+    figures = {name: laid_out(figure) for name, figure in draw(table).items()}
     for name, figure in figures.items():
         save(figure, folder, name)
     (folder / "report.html").write_text(page(table, figures), encoding="utf-8")

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from contactlab.api.drawing.units import Units
-from contactlab.reports.figures import house_style
+from contactlab.reports.figures import house_style, is_laid_out
 
 WIDTH = 7.6  # inches
 
@@ -20,7 +20,8 @@ class Plot(Figure):
     def savefig(self, *arguments: Any, **settings: Any) -> None:
         """Write the figure. Its layout takes two passes: after one alone, a title above wide axes may be cut off."""
         with house_style():
-            self.draw_without_rendering()
+            if not is_laid_out(self):
+                self.draw_without_rendering()
             super().savefig(*arguments, **settings)
 
     def _repr_png_(self) -> bytes:
