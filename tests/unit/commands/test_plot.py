@@ -10,7 +10,9 @@ from inline import runs_inline
 from tiers import some
 
 import contactlab
+from contactlab import load_scene
 from contactlab.cli import main
+from contactlab.reports.notebook.pictures import fields_figure
 
 SMALL = {
     "bodies.disc.mesh.cells": [8, 2], "bodies.block.mesh.cells": [12, 2], "supports.1.uy.to": -0.02, "level": 1,
@@ -54,6 +56,21 @@ def test_frames_fields_and_runs_are_chosen(folders: dict[str, Path]) -> None:
     assert main(["plot", run, "stress", "--field", "principal_3", "--frame", "1", "--flat"]) == 0
     (name, *_) = (path.name for path in (folders["two"] / "runs").iterdir())
     assert main(["plot", two, "stress", "--runs", name]) == 0
+
+
+@pytest.mark.parametrize("number", [2, 6])
+def test_runs_side_by_side_have_their_titles_and_supports(folders: dict[str, Path], number: int) -> None:
+    """Long titles of neighbours were written over each other."""
+    results = contactlab.load_results(folders["run"])
+    names = {f"node-on-segment, slave {side}, mu {mu}, level 2": results for side in "ab" for mu in (0.1, 0.2, 0.3)}
+    figure = fields_figure(dict(list(names.items())[:number]), "von_mises", -1)
+    for _ in range(2):  # as when it is saved
+        figure.draw_without_rendering()
+    places = [axes for axes in figure.axes if axes.get_title(loc="left")]
+    assert len(places) == number
+    boxes = [axes._left_title.get_window_extent() for axes in places]  # type: ignore[attr-defined]
+    assert not any(a.overlaps(b) for k, a in enumerate(boxes) for b in boxes[:k])
+    assert all(len(axes.lines) >= len(load_scene("disc-on-block").supports) for axes in places)
 
 
 @pytest.mark.parametrize(

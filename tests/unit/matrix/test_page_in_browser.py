@@ -66,16 +66,23 @@ def test_every_cell_is_on_the_page(seen: dict[str, Any]) -> None:
 
 
 def test_a_head_sorts(seen: dict[str, Any]) -> None:
-    assert [line[-1] for line in seen["worst"]] == ["silent", "met"]  # the worst first
+    assert [line[-1].split()[0] for line in seen["worst"]] == ["silent", "met"]  # the worst first
     assert [line[0] for line in seen["case"]] == ["patch", "two-bars"]
 
 
 def test_filters_leave_what_they_name(seen: dict[str, Any]) -> None:
     assert [line[0] for line in seen["filtered"]] == ["two-bars"]
     assert seen["alone"][-1] == "mortar-p1"
-    assert [(line[0], line[-1]) for line in seen["silent"]] == [("patch", "silent")]
+    assert [(line[0], line[-1].split()[0]) for line in seen["silent"]] == [("patch", "silent")]
     assert "1 silent" in seen["counts"]
     assert seen["counts"].endswith("of 1 cells")
+
+
+def test_a_cell_has_the_value_of_the_measure_behind_its_verdict(seen: dict[str, Any], made: Path) -> None:
+    cells = json.loads((made / "matrix.json").read_text(encoding="utf-8"))["cells"]
+    (wrong,) = (cell for cell in cells if cell["verdict"] == "silent")
+    number = next(m["value"] for m in wrong["measures"] if m["verdict"] == "silent" and m["role"] == "error")
+    assert float(seen["silent"][0][-1].split()[1]) == float(f"{number:.2g}")
 
 
 def test_a_cell_leads_to_its_numbers_and_scenes(seen: dict[str, Any], made: Path) -> None:

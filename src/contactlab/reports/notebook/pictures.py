@@ -28,6 +28,7 @@ from contactlab.results.results import Results
 from contactlab.studies.shape import Shape
 
 COLOURS = LinearSegmentedColormap.from_list("field", FIELD)
+LETTERS = 8.5  # bold letters of a title on an inch of a figure, of which labels and the colour bar take their part
 PAUSE = 80  # ms between two pictures of an animation
 
 Limits = tuple[float, float]
@@ -75,7 +76,7 @@ def animated(
         moment = moments[min(number, len(moments) - 1)]
         shown = draw_field(axes, results, moment, values[min(number, len(moments) - 1)], within)
         before[:] = [artist for artist in axes.collections if artist not in known]
-        label_places(axes, results.layout.units, _wrapped(title, when(results, moment)))
+        label_places(axes, results.layout.units, _wrapped(axes, f"{title}, {when(results, moment)}"))
         return [shown, *(artist for artist in before if artist is not shown)]
 
     return draw
@@ -90,7 +91,8 @@ def fields_figure(runs: Mapping[str, Results], name: str, frame: int, flat: bool
         figure, places = _grid(runs, moments.values())
         for (title, results), axes in zip(runs.items(), places, strict=False):
             shown = draw_field(axes, results, moments[title], values[title], limits)
-            label_places(axes, results.layout.units, _wrapped(title, when(results, moments[title])))
+            _conditions(axes, results, moments[title])
+            label_places(axes, results.layout.units, _wrapped(axes, f"{title}, {when(results, moments[title])}"))
         units = Units.of_label(next(iter(runs.values())).layout.units)
         colour_bar(figure, places, shown, title_of(name, units))
     return figure
@@ -135,8 +137,11 @@ def _grid(runs: Mapping[str, Results], moments: Iterable[Moment]) -> tuple[Figur
     return figure, places[: len(runs)]
 
 
-def _wrapped(title: str, moment: str) -> str:
-    return textwrap.fill(f"{title}, {moment}", 44)
+def _wrapped(axes: Axes, title: str) -> str:
+    """The title in lines that the axes have room for, next to those of their neighbours."""
+    wide = figure_of(axes).get_figwidth()
+    grid = axes.get_subplotspec()
+    return textwrap.fill(title, int(LETTERS * wide / (grid.get_gridspec().ncols if grid is not None else 1)))
 
 
 def when(results: Results, moment: Moment) -> str:
