@@ -38,7 +38,9 @@ def test_scene_mesh_and_geometry_have_the_same_names(name: str) -> None:
 def run(name: str, folder: Path) -> Results:
     results = simulate(load_scene(str(FOLDER / f"{name}.toml")), folder)
     assert results.status == "finished"
-    section = re.split(r"\n## ", (FOLDER / "README.md").read_text())[1 + ["snap-fit", "bearing", "cam", "ring"].index(name)]
+    section = re.split(r"\n## ", (FOLDER / "README.md").read_text())[
+        1 + ["snap-fit", "bearing", "cam", "ring"].index(name)
+    ]
     assert f"{name}.toml" in section
     assert {warning.code for warning in results.warnings} == set(re.findall(r"warns\s+`([a-z-]+)`", section))
     return results

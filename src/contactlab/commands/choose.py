@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import shlex
+from collections.abc import Sequence
 from pathlib import Path
 
 from contactlab.accuracy.answer import Tried
@@ -16,6 +17,8 @@ from contactlab.scene.scene import load_scene
 
 FILE = "choose.json"
 CANNOT = 1
+MOST = 12
+"""Trials that are listed."""
 
 
 def choose(options: argparse.Namespace) -> int:
@@ -62,13 +65,32 @@ def show(found: Chosen, wish: Wish, line: str) -> None:
     compared = f"; compared by {found.judged} with {found.reference}{known}" if found.judged and found.reference else ""
     say(f"{trials}, {found.spent_s:.3g} CPU s{compared}")
     if found.tried:
-        heads = Column("configuration", keep=True), "level", "error, %", "CPU s", ""
-        out.print(Sheet(heads, map(_tried, found.tried)))
+        heads = Column("configuration", keep=True), "level", Column("error", "%"), Column("CPU", "s"), ""
+        out.print(Sheet(heads, map(_tried, best_first(found.tried, wish.error)[:MOST])))
+    if found.verdict == "ok" and any(one.error <= wish.error and _median(one) < found.cost_s for one in found.tried):
+        say("cheaper trials: their error, with all that is uncertain, may exceed the target")
+    if len(found.tried) > MOST:
+        say(f"and {len(found.tried) - MOST} others, farther from the error or slower: --json, {FILE}")
+
+
+def best_first(tried: Sequence[Tried], error: float) -> list[Tried]:
+    """Trials with the error first, the cheapest before others; then the most accurate; then those without an error."""
+
+    def rank(one: Tried) -> tuple[bool, bool, float]:
+        near = one.error <= error
+        return not near, math.isnan(one.error), _median(one) if near else one.error
+
+    return sorted(tried, key=rank)
+
+
+def _median(tried: Tried) -> float:
+    """CPU time [s] of a trial; NaN if no run of it ended."""
+    return sorted(tried.cpu_s)[len(tried.cpu_s) // 2] if tried.cpu_s else math.nan
 
 
 def _tried(tried: Tried) -> list[str]:
     error = f"{100.0 * tried.error:.3g}" if math.isfinite(tried.error) else ""
-    cost = f"{sorted(tried.cpu_s)[len(tried.cpu_s) // 2]:.3g}" if tried.cpu_s else ""
+    cost = f"{_median(tried):.3g}" if tried.cpu_s else ""
     end = "" if tried.status == "finished" else f"{tried.status}: {tried.reason[:60]}"
     return [tried.configuration, str(tried.level), error, cost, end]
 

@@ -8,6 +8,7 @@ import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from numbers import Real
+from os import PathLike
 from types import SimpleNamespace
 from typing import Any
 
@@ -78,7 +79,7 @@ class _Parts:
 def mesh(points: Any, cells: Any = None, sets: Mapping[str, EdgeSet] | None = None, scale: float = 1.0) -> MeshSpec:
     """Make a mesh for a body of a scene: `scene.with_({"bodies.clip.mesh": contactlab.mesh(points, cells, sets)})`.
 
-    points  nodes (N, 2); or a PyVista grid; or a gmsh model (`gmsh.model`), meshed
+    points  nodes (N, 2); or a PyVista grid; or a gmsh model (`gmsh.model` or `gmsh`), meshed
     cells   (n, 4), (n, 8) or (n, 9) node numbers from 0, in either direction; of a gmsh model the name of the physical
             surface to take; not needed for a grid
     sets    edge sets by name: edges (k, 2), or nodes that they lie between: numbers (k,), a mask (N,), or a function
@@ -112,6 +113,14 @@ def mesh(points: Any, cells: Any = None, sets: Mapping[str, EdgeSet] | None = No
 
 
 def _parts(points: Any, cells: Any) -> _Parts:
+    if isinstance(points, str | PathLike):
+        raise RequestError(
+            "a mesh from a file needs no call", where="contactlab.mesh", got=str(points),
+            allowed="arrays, a PyVista grid or a gmsh model",
+            hint=f'name it in the scene: mesh = {{ use = "file", path = "{points}" }}',
+        )  # fmt: skip
+    if hasattr(getattr(points, "model", None), "getPhysicalGroups"):
+        points = points.model  # of the module gmsh
     if hasattr(points, "getPhysicalGroups") and hasattr(points, "mesh"):
         return _of_gmsh(points, "" if cells is None else str(cells))
     if hasattr(points, "celltypes") and hasattr(points, "cells_dict"):

@@ -12,6 +12,9 @@ from rich.progress import BarColumn, TaskID, TextColumn, TimeElapsedColumn
 from contactlab.jobs.progress import Progress
 from contactlab.reports.terminal import Terminal
 
+QUICK = ("preparing kernel", "loading kernel")
+"""What needs no line of its own in a file or a pipe."""
+
 
 def progress_of(total: int | None = None, show: bool | None = None) -> Progress:
     """Show the progress of so many results on standard error; None for an unknown number.
@@ -28,13 +31,14 @@ class _Lines(Progress):
     """A line for each result, and for what happens before the first run."""
 
     def __init__(self, console: Terminal, total: int | None) -> None:
-        self._console, self._total, self._done, self._said = console, total, 0, ""
+        self._console, self._total, self._done = console, total, 0
+        self._said = {"", *QUICK}
 
     def say(self, text: str) -> None:
-        """Print what counts up once: "compiling kernel" without its numbers."""
+        """Print what counts up once: "compiling kernel" without its numbers; not what takes no time."""
         head = re.split(r"\s+\d", text)[0]
-        if head and head != self._said:
-            self._said = head
+        if head not in self._said:
+            self._said.add(head)
             self._print(head)
 
     def told(self, text: str) -> None:

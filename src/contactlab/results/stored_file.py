@@ -50,12 +50,14 @@ def opened(folder: Path) -> Any:
 
     path = folder / FILE
     if not path.is_file():
+        is_table = (folder / "table.json").is_file()
         found = "the folder has no results.vtkhdf" if folder.is_dir() else "there is no such folder"
         raise RequestError(
             found,
             where=str(folder),
             got=str(folder),
             allowed="the folder of a run whose record.recorders include vtkhdf (the default)",
+            hint="load_table reads a comparison; its runs are folders in runs" if is_table else "",
         )
     try:
         over = JournaledFile.read_only(path)

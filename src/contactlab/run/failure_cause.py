@@ -11,6 +11,7 @@ import numpy as np
 from contactlab.api import Conditions, Floats, FrictionBound, Iteration, PointContact, StepStatus, Surface
 from contactlab.api.frame import SLIP, STICK
 from contactlab.model.loading.held_bodies import MOTIONS, free_motions, hold, loose_motions
+from contactlab.run.coordinates import coordinates
 
 if TYPE_CHECKING:
     from contactlab.contact.implicit_system import ImplicitContactSystem
@@ -115,14 +116,7 @@ def _closed(model: Model) -> list[_Node]:
 def _place(model: Model, scene: Scene, pair: ContactPair, point: Floats) -> str:
     """Return a place in words: coordinates and the sides of the contact."""
     slave, master = scene.contacts[_number(pair)].sides
-    return f"near {_coordinates(model, point)}, {slave} on {master}"
-
-
-def _coordinates(model: Model, point: Floats) -> str:
-    """A position, without digits that are round-off of the size of the model."""
-    size = float(np.ptp(model.reference, axis=0).max())
-    x, y = (float(f"{value:.4g}") if abs(value) > 1e-6 * size else 0.0 for value in point)
-    return f"({x:g}, {y:g})"
+    return f"near {coordinates(model, point)}, {slave} on {master}"
 
 
 def _number(pair: ContactPair) -> int:
@@ -281,7 +275,7 @@ def _unstable(model: Model, dt: float) -> str:
         middle = model.position[body.first : body.first + body.count].mean(axis=0)
         flows = ", or flows plastically at its limit load" if body.material.history_size else ""
         return (
-            f"body {body.name}, around {_coordinates(model, middle)}: its stiffness is no longer positive definite: it "
+            f"body {body.name}, around {coordinates(model, middle)}: its stiffness is no longer positive definite: it "
             f"buckles or snaps through{flows}; try implicit-dynamics, which follows the jump, or a smaller load"
         )
     return ""

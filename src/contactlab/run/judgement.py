@@ -17,6 +17,7 @@ from contactlab.results.invariants import NO_STRAIN, invariants, judged_from
 from contactlab.results.slips import slips_of
 from contactlab.results.strain_scale import energy_of_strain
 from contactlab.run.breaches import breach
+from contactlab.run.coordinates import coordinates
 from contactlab.run.end_lengths import end_lengths
 
 if TYPE_CHECKING:
@@ -103,7 +104,7 @@ def _never_closed(model: Model, pair: ContactPair, report: ContactReport) -> Run
             "condition that closes; try finer cells, or another algorithm",
         )  # fmt: skip
     apart, _ = _nearest(model.position[pair.slave.nodes], model.position[pair.master.nodes])
-    place = _place(model, model.position[pair.slave.nodes[apart.argmin()]])
+    place = coordinates(model, model.position[pair.slave.nodes[apart.argmin()]])
     return RunWarning(
         "open-contact", float(apart.min()), 0.0, pair.name,
         f"{pair.name}: no force in any step; the nearest nodes of both sides are {apart.min():.4g} apart at the "
@@ -192,7 +193,7 @@ def _coarse_facets(model: Model, pair: ContactPair, curve: ContactCurve) -> Iter
     yield RunWarning(
         "coarse-facets", depth, FACETS * approach, f"{pair.name}.smooth" if curves else "level",
         f"{pair.name}: the facets of its curved surfaces are {depth:.3g} deep where they press, from "
-        f"{_place(model, model.position[slave[0]])} on, and the surfaces approached by {approach:.3g} (limit "
+        f"{coordinates(model, model.position[slave[0]])} on, and the surfaces approached by {approach:.3g} (limit "
         f"{FACETS:.0%} of the approach): the pressure oscillates from node to node{low}; take {smooth}cells that are "
         f"{finer} times finer along both surfaces (level; from a mesh file, second-order cells or a finer mesh)",
     )  # fmt: skip
@@ -241,7 +242,7 @@ def _few_nodes(model: Model, pair: ContactPair, report: ContactReport) -> Iterat
         value, told = low, f"nodal pressures, up to {nodal:.4g}, are means over its segments, about {low:.0%} below it"
     if dip > max(high, low):
         value, told = dip, f"nodal pressures, up to {nodal:.4g} at an edge of contact, are {dip:.0%} lower within"
-    place = _place(model, np.array([curve.x[peak], curve.y[peak]]))
+    place = coordinates(model, np.array([curve.x[peak], curve.y[peak]]))
     carried = "1 node carries" if len(pressed) == 1 else f"{len(pressed)} nodes carry"
     lean = _lean(model, pair, report.resultant, model.position[pair.slave.nodes[peak]])
     told += f"; its force leans by {lean:.1%} from the normal of the flat side" if lean > LEAN else ""
@@ -278,7 +279,7 @@ def _kept_gaps(model: Model, pairs: list[ContactPair], stored: float) -> Iterato
         yield RunWarning(
             "kept-gap", abs(one.share) if abs(one.share) > HIGH else one.moved, HIGH, f"{one.pair.name}.slave",
             f"{one.pair.name}: gaps are measured to facets and averaged over segments, so pressed nodes are up to "
-            f"{off} the curve of the other side, at {_place(model, model.position[one.node])}: "
+            f"{off} the curve of the other side, at {coordinates(model, model.position[one.node])}: "
             f"{' and '.join(told)} (limit {HIGH:.0%}); halve the cells of both sides there, which makes the error a "
             "quarter",
         )  # fmt: skip
@@ -331,13 +332,6 @@ def _normals(surface: Surface, position: Floats) -> Floats:
     across = (end - begin)[:, ::-1] * [1.0, -1.0]
     total = np.where(surface.node_segments[..., None] >= 0, across[surface.node_segments], 0.0).sum(axis=1)
     return np.asarray(total / np.maximum(np.hypot(*total.T), 1e-300)[:, None])
-
-
-def _place(model: Model, point: Floats) -> str:
-    """A position, without digits that are round-off of the size of the model."""
-    size = float(np.ptp(model.reference, axis=0).max())
-    x, y = (float(value) if abs(value) > 1e-9 * size else 0.0 for value in point)
-    return f"({x:.4g}, {y:.4g})"
 
 
 def _nearest(points: Floats, others: Floats) -> tuple[Floats, Ints]:

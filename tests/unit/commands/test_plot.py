@@ -12,6 +12,7 @@ from tiers import some
 import contactlab
 from contactlab import load_scene
 from contactlab.cli import main
+from contactlab.errors import RequestError
 from contactlab.reports.notebook.pictures import fields_figure
 
 SMALL = {
@@ -56,6 +57,11 @@ def test_frames_fields_and_runs_are_chosen(folders: dict[str, Path]) -> None:
     assert main(["plot", run, "stress", "--field", "principal_3", "--frame", "1", "--flat"]) == 0
     (name, *_) = (path.name for path in (folders["two"] / "runs").iterdir())
     assert main(["plot", two, "stress", "--runs", name]) == 0
+
+
+def test_a_comparison_that_is_loaded_as_a_run_is_named_as_such(folders: dict[str, Path]) -> None:
+    with pytest.raises(RequestError, match="load_table reads a comparison; its runs are folders in runs"):
+        contactlab.load_results(folders["two"])
 
 
 @pytest.mark.parametrize("number", [2, 6])

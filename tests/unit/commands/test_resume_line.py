@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from types import SimpleNamespace
 from typing import cast
 
 import pytest
 
+from contactlab.accuracy.answer import Tried
 from contactlab.accuracy.choose import Chosen
 from contactlab.commands import choose as chooses
 from contactlab.commands.arguments import make_parser
@@ -38,3 +40,12 @@ def test_the_choice_is_run_as_the_command_that_is_printed(tmp_path: Path) -> Non
     results = load_results(tmp_path / "run")
     assert results.status == "finished"
     assert results.layout.contacts[0].slave == "block.top"
+
+
+def test_trials_with_the_error_come_first_the_cheapest_before_others() -> None:
+    def trial(name: str, error: float, *cpu_s: float) -> Tried:
+        return Tried(name, 1, "finished", "", error, cpu_s)
+
+    trials = [trial("none", math.nan), trial("far", 0.5, 0.1), trial("slow", 0.001, 3.0), trial("near", 0.02, 0.2),
+              trial("fast", 0.009, 1.0, 9.0, 2.0)]  # fmt: skip
+    assert [one.configuration for one in chooses.best_first(trials, 0.01)] == ["fast", "slow", "near", "far", "none"]

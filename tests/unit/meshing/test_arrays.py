@@ -121,6 +121,15 @@ class Model:
         return [(2, 1), (2, 2)]
 
 
+def test_the_module_of_gmsh_stands_for_its_model() -> None:
+    assert contactlab.mesh(SimpleNamespace(model=Model()), "right") == contactlab.mesh(Model(), "right")
+
+
+def test_the_name_of_a_file_is_answered_with_the_key_of_a_scene() -> None:
+    with pytest.raises(RequestError, match=r'mesh = \{ use = "file", path = "clip\.msh" \}'):
+        contactlab.mesh("clip.msh")
+
+
 def test_a_model_of_gmsh() -> None:
     mesh = made(contactlab.mesh(Model(), "right"))
     assert len(mesh.cells) == 1
