@@ -93,13 +93,13 @@ def test_a_body_that_flies_in_large_steps_does_not_pass_through_a_plate(steps: i
     assert above > at[under & (reference[:, 1] == 0.0), 1].max() - 0.02  # a tenth of a segment
 
 
-@pytest.mark.parametrize("steps", some([3, 12], [12]))
+@pytest.mark.parametrize("steps", some([2, 6], [6]))
 def test_large_steps_of_a_nonlinear_body_are_cut_for_their_energy(steps: int) -> None:
     """The midpoint rule keeps the energy of linear bodies alone, so that a run of so large steps was stopped.
 
     A step may make a thousandth of the energy that there is, and some ten steps bounce.
     """
-    results = contactlab.simulate(thrown(steps, "neo-hookean", 3e-4))
+    results = contactlab.simulate(thrown(steps, "neo-hookean", 1.5e-4))
     assert results.status == "finished", results.reason
     assert not {"energy-at-end", "ledger"} & {one.code for one in results.warnings}
     balance = results.summary["balance"]

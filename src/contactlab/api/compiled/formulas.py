@@ -189,7 +189,8 @@ def _hash(function: Any) -> str:
         _add_code(digest, held.__code__)
         for name, found in _globals_of(held):
             modules = [found] if isinstance(found, ModuleType) and found is not mathematics else []
-            for one in [getattr(module, name, None) for module in modules for name in _names(held.__code__)] or [found]:
+            names = sorted(_names(held.__code__))  # a set has another order in each process
+            for one in [getattr(module, name, None) for module in modules for name in names] or [found]:
                 inner = getattr(one, "py_func", getattr(one, "function", one))
                 if isinstance(inner, FunctionType) and inner.__module__ != mathematics.__name__:
                     waiting.append(inner)
