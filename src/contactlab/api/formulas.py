@@ -79,15 +79,6 @@ def formulas_of(kind: type) -> dict[str, Formula]:
     return found
 
 
-def name_of_formulas(kind: type) -> str:
-    """Return the name under which kernels of a plugin component are stored: of the class whose formulas it has.
-
-    A class that changes no formula thus finds the machine code of its base class.
-    """
-    own = next(base for base in kind.__mro__ if vars(base).get("__formulas__"))
-    return f"{own.__module__}.{own.__qualname__}"
-
-
 def install(kind: type, root: type, allowed: Mapping[str, Iterable[str]], methods: str) -> None:
     """Replace the formulas `allowed` in the body of a plugin component by array methods, and note all formulas.
 

@@ -25,7 +25,7 @@ import numpy as np
 from contactlab.api import Floats, Material
 from contactlab.api.compiled.formulas import Slot, copied, made, plain
 from contactlab.api.differences import speeds_of_moduli
-from contactlab.api.formulas import formulas_of, name_of_formulas
+from contactlab.api.formulas import formulas_of
 from contactlab.api.mathematics import seeds
 from contactlab.api.tensors import Tensor, Vector
 from contactlab.formulas import law_kernels as points
@@ -85,7 +85,7 @@ class _Kernels:
         }
 
     def _made(self, template: Any, name: str) -> Any:
-        return made(template, name_of_formulas(self.kind), self.given(name))
+        return made(template, f"{self.kind.__module__}.{self.kind.__qualname__}", self.given(name))
 
 
 _GIVEN = {"F": "measure", "H": "measure", "G": "measure", "history": "history", "dt": "dt", "p": "p"}

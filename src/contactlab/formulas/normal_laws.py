@@ -10,7 +10,7 @@ import numpy as np
 
 from contactlab.api import Floats, NormalLaw
 from contactlab.api.compiled.formulas import made
-from contactlab.api.formulas import formulas_of, name_of_formulas
+from contactlab.api.formulas import formulas_of
 from contactlab.api.tensors import Vector
 from contactlab.formulas import normal_law_kernels as loops
 from contactlab.formulas.parameters import parameters_of, values_of
@@ -72,4 +72,4 @@ def _kernel(kind: type[NormalLaw], name: str, first: tuple[str, ...]) -> Any:
     if named and "traction" not in named:
         parts = {"position": ("x", "y")}
         put[loops.NAMED] = namedtuple("Named", tuple(row for name in kind.named() for row in parts.get(name, (name,))))
-    return made(loop, f"{name_of_formulas(kind)}.{name}", put)
+    return made(loop, f"{kind.__module__}.{kind.__qualname__}.{name}", put)

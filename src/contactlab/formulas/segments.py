@@ -21,7 +21,7 @@ from contactlab.api import (
 )
 from contactlab.api.compiled.bound_arrays import BoundArrays, BoundCache, table_of
 from contactlab.api.compiled.formulas import Slot, made
-from contactlab.api.formulas import formulas_of, in_python, name_of_formulas
+from contactlab.api.formulas import formulas_of, in_python
 from contactlab.api.segments import Covered
 from contactlab.formulas import segment_derivatives as changes
 from contactlab.formulas import segment_kernels as kernels
@@ -70,7 +70,7 @@ class ClassKernels(ABC):
         """Return the kernel of a template."""
         found = self._made.get(template)
         if found is None:
-            found = made(template, name_of_formulas(self.kind), self.given, self.in_python)
+            found = made(template, f"{self.kind.__module__}.{self.kind.__qualname__}", self.given, self.in_python)
             self._made[template] = found
         return found
 
