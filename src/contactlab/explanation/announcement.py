@@ -27,15 +27,19 @@ def announcement(run: Run) -> str:
     scene, timing, steps = run.schedule.scene, run.model.timing, run.schedule.estimated_steps()
     because = f" ({timing.because})" if timing.because else ""
     settles = ", then until it settles" if timing.end is None else ""
-    many = f"{_thousands(steps)} {{}}{'s' * (steps > 1)}"
+    controlled = run.model.integrator.control() is not None
+    about = "at least" if controlled and run.model.explicit else "about"
+    many = f"{about} {_thousands(steps)} {{}}{'s' * (steps > 1)}"
     before = run.attempts.tried if run.attempts is not None else ()
     line = "".join(f"{attempt.brief}\n" for attempt in before[-1:])
     line += f"{scene.integrator['use']} " if run.attempts is not None else ""
     if run.model.integrator.inertia:
-        line += f"simulates {timing.last:.4g} s{because}{settles}: about {many.format('step')}"
+        line += f"simulates {timing.last:.4g} s{because}{settles}: {many.format('step')}"
     else:
-        line += f"applies the load in about {many.format('increment')}"
-    if not run.model.state.step:
+        line += f"applies the load in {many.format('increment')}"
+    if controlled:
+        line += ", whose length follows their error: how many it takes, and their cost, shows on the way"
+    elif not run.model.state.step:
         line += f", {_duration(cost_of(run, scene, steps))} of CPU time"
     if timing.end is None and timing.because and timing.last > LONG * timing.ramp:
         fewer = max(1, round(steps * (timing.ramp + timing.period) / timing.last))

@@ -6,7 +6,10 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
+from contactlab_dynamics.central_difference import CentralDifference
+from contactlab_statics.implicit_dynamics import ImplicitDynamics
 
+from contactlab.api import StepControl
 from contactlab.explanation.announcement import announcement
 from contactlab.model.build import build
 from contactlab.run.prepare import schedule_of
@@ -26,6 +29,19 @@ def said(integrator: str, uy: Any, **time: float) -> str:
     })  # fmt: skip
     model = build(scene, scene.registry)
     return announcement(cast(Run, SimpleNamespace(model=model, schedule=schedule_of(model, scene), attempts=None)))
+
+
+@pytest.mark.parametrize(("kind", "begin"), [(CentralDifference, "at least"), (ImplicitDynamics, "about")])
+def test_steps_that_follow_their_error_have_no_number_and_no_cost_before_they_are_made(
+    kind: Any, begin: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Explicit steps may only be shorter than the stable one: 5 000 steps were told of a run that took 62 733."""
+    monkeypatch.setattr(kind, "control", lambda self: StepControl(order=3))
+    name = "central-difference" if kind is CentralDifference else "implicit-dynamics"
+    line = said(name, {"ramp": "linear", "to": -0.01}, end=1e-5)
+    assert line.startswith(f"simulates 1e-05 s (time.end): {begin} ")
+    assert "whose length follows their error" in line
+    assert "CPU time" not in line
 
 
 def test_end_steps_cost_and_the_key_that_makes_a_run_long_are_named() -> None:
