@@ -153,11 +153,11 @@ def _with_unit(value: object, unit: str, digits: int = 5) -> str:
     return f"{significant(number(value), digits)} {unit}".rstrip()
 
 
-def vector(force: Sequence[float], between: str = "  ") -> str:
-    """Components to five figures of the largest: what is smaller is round-off and shown as 0."""
+def vector(force: Sequence[float], between: str = "  ", digits: int = 5) -> str:
+    """Components with so many digits; what is below 1e-7 of the largest is round-off and shown as 0."""
     values = [float(component) for component in force]
     largest = max(map(abs, values), default=0.0)
-    return between.join(significant(v if abs(v) > 1e-7 * largest else 0.0, 5) for v in values)
+    return between.join(significant(v if abs(v) > 1e-7 * largest else 0.0, digits) for v in values)
 
 
 def number(value: Any) -> float:

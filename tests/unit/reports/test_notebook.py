@@ -189,6 +189,11 @@ class TestResults:
         with pytest.raises(IndexError, match=f"no frame {len(results.frames)}: there are {len(results.frames)}, 0 to"):
             results.frames[len(results.frames)]
 
+    def test_forces_of_round_off_are_zero_in_the_text(self, results: Results) -> None:
+        (x, y) = results.summary["reactions"]["disc.top"]
+        assert 0.0 < abs(x) < 1e-7 * abs(y)
+        assert "reaction of disc.top      [0, -" in repr(results)
+
     def test_a_contact_answers_to_the_name_that_tables_have(self, results: Results) -> None:
         assert results.contact["disc.arc on block.top"] is results.contact["contacts.0"]
         assert list(results.contact) == ["contacts.0"]

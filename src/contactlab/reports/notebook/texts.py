@@ -8,6 +8,7 @@ from typing import Any
 from contactlab.api.drawing.units import Units
 from contactlab.explanation.explain import Explanation
 from contactlab.reports.numbers import significant
+from contactlab.reports.run import vector
 from contactlab.reports.sheet import Sheet
 from contactlab.results.results import Results
 from contactlab.results.shown_pressure import other_peak
@@ -79,8 +80,8 @@ def _contact(contact: Mapping[str, Any], units: Units) -> str:
     return f"{pressure}, force {_pair(contact['resultant'])} {units.line_force}".rstrip()
 
 
-def _pair(vector: Any) -> str:
-    return f"[{significant(float(vector[0]), 4)}, {significant(float(vector[1]), 4)}]"
+def _pair(force: Any) -> str:
+    return f"[{vector(force, ', ', 4)}]"
 
 
 def table_text(table: Table) -> str:
