@@ -75,6 +75,30 @@ def test_energy_that_impacts_on_coarse_cells_take_is_told(cells: int) -> None:
     assert bool(told) == (cells == 4)
 
 
+@pytest.mark.parametrize("wished", [{"steps": 240}, {}])
+def test_a_load_that_drops_at_once_sends_the_bar_off_at_its_speed(wished: dict[str, int]) -> None:
+    """p/(rho c), once the wave has reached the wall: a bar pressed slowly onto it, its load gone in 1e-9 of the time.
+
+    The tolerance is twice that of impacts: vibrations of the slow load have 1 %, and steps between waves are long. With
+    equal steps alone 0.86 is left for 240; and those that follow each way in ten steps found no equilibrium in 1e-13 s.
+    """
+    drop, pressure = 30.0 * CONTACT, 1e-3 * BAR["young"]
+    points = [[0.0, 0.0], [0.8 * drop, 1.0], [drop, 1.0], [drop * (1.0 + 1e-9), 0.0]]
+    scene = Scene.from_data({
+        "time": {"end": drop + 1.2 * CONTACT}, "integrator": {"use": "implicit-dynamics"} | wished,
+        "materials": {"m": {"use": "linear-elastic"} | BAR},
+        "bodies": {"bar": strip((0.0, LENGTH), (0.0, 1.0), [40, 1])},
+        "rigid": {"wall": {"line": [[0.0, -1.0], [0.0, 2.0]]}},
+        "contacts": [{"slave": "bar.left", "master": "wall", "algorithm": "mortar-p0"}],
+        "supports": [{"on": "bar", "uy": 0.0}],
+        "loads": [{"on": "bar.right", "pressure": {"to": pressure, "ramp": "table", "points": points}}],
+    })  # fmt: skip
+    results = simulate(scene, watch={"kept": Series(("velocity.bar.x",))})
+    assert results.status == "finished"
+    speed = results.watched["kept"]["velocity.bar.x"][-1] * BAR["density"] * SOUND / pressure
+    assert speed == pytest.approx(1.0, abs=0.02)
+
+
 @pytest.mark.parametrize("steps", [10.0, 0.6])
 def test_bar_leaves_a_wall_as_fast_as_it_came(steps: float) -> None:
     """Within what the mesh leaves of it, 2.6 %: for 10 steps and for half of one; contact takes half a cell."""

@@ -35,11 +35,22 @@ def impacts_of(equations: ImplicitEquations) -> bool:
     return contact is not None and contact.enforcement.exact and not contact.by_energy
 
 
+def resolve_waves(state: State, mass: Floats, dt: float) -> None:
+    """Let the next steps, from dt [s] on, resolve waves as after an impact, for a load that drops at once.
+
+    mass  (N,) [t]
+    """
+    if "impact" in state:
+        kinetic = 0.5 * float((mass * (state["velocity"] ** 2).sum(axis=1)).sum())
+        # what bodies have stored becomes motion
+        state["impact"][LIMIT:] = dt, kinetic + abs(float(state["work"][INTERNAL]))
+
+
 class Impacts:
     """Judges steps with contact, and limits the next length.
 
     memory  (3,) of the state: largest kinetic energy so far, longest step (0: any), kinetic energy before the
-            impact
+            impact (or energy before the drop of a load)
     """
 
     def __init__(self, state: State, mass: Floats, mobility: Floats) -> None:

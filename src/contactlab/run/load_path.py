@@ -22,6 +22,8 @@ SAMPLES = 1024
 EACH_LEG = 17  # samples between two corners of a loading that goes to and fro
 IN_TIME = 10  # steps in time of each way
 NEARLY = 1e-9  # of the whole time: differences below it are round-off
+DROP = 0.05  # of the largest load: less is no drop
+AT_ONCE = 0.1  # of a step: loads that drop within it drop at once
 LEAST = 1e-3  # of the whole path that time itself counts, so that a hold is passed in few steps
 
 
@@ -87,7 +89,7 @@ class TimePath:
         if not swings:
             self.times = self.fractions = np.zeros(0)
             return
-        ways = np.concatenate([np.zeros((0, 2)), *(swing.ways for swing in swings)])
+        ways = np.concatenate([np.zeros((0, 2)), *(_followed(swing, AT_ONCE * end / wished) for swing in swings)])
         self.times = np.unique(np.concatenate([[0.0, end], ways.ravel()]))
         rate = np.full(len(self.times) - 1, wished / end)
         middle = 0.5 * (self.times[1:] + self.times[:-1])
@@ -141,6 +143,26 @@ def corners(scene: Scene, timing: Timing, swings: list[Swing]) -> list[float]:
         if NEARLY * end < time < (1.0 - NEARLY) * end and (not found or time - found[-1] > NEARLY * end):
             found.append(time)
     return [*found, end]
+
+
+def _followed(swing: Swing, short: float) -> Floats:
+    """Ways (w, 2) [s] of a value that steps follow: loads that move within a `short` time [s] drop or rise at once."""
+    longer = np.diff(swing.ways)[:, 0] > (short if swing.key.startswith("loads.") else 0.0)
+    return np.asarray(swing.ways[longer])
+
+
+def load_drops(scene: Scene, timing: Timing, step: float) -> list[float]:
+    """Times [s] in (0, end) right before a load drops within much less than a step [s], and sets off waves."""
+    found: set[float] = set()
+    for key, _, course in courses_in(scene):
+        if key.startswith("loads.") and course.moves:
+            value, times = course.bind(timing.ramps), [t for t in course.corners(timing.ramps) if 0.0 < t < timing.last]
+            least = DROP * max((abs(value(time)) for time in times), default=0.0)
+            for time in times:
+                before = time - 0.5 * NEARLY * timing.last
+                if abs(value(before)) - abs(value(time + AT_ONCE * step)) > least:
+                    found.add(before)
+    return sorted(found)
 
 
 def _motion(model: Model, times: Floats) -> Floats:

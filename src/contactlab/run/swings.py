@@ -34,7 +34,8 @@ class Swing(NamedTuple):
 
     key        of the scene
     turns      (n,) times [s] at which it turns, with the begin and the end of its way
-    ways       (w, 2) times [s] between which it moves from one turn to the next, of the larger ways
+    ways       (w, 2) times [s] between which it moves from one turn to the next, of the larger ways, except
+               jumps
     shortest   time [s] of a way over the whole range at the speed of the fastest one; of a jump the time after it,
                until the value moves again
     """
@@ -58,13 +59,12 @@ def swings_of(scene: Scene, timing: Timing) -> list[Swing]:
             ways = [(_way(times[a : b + 1], values[a : b + 1]), abs(values[b] - values[a]) / span)
                     for a, b in pairwise(turns)]  # fmt: skip
             begins = [*(first for (first, _), _ in ways[1:]), end]
-            shortest = min(
-                (last - first if last - first > AT_ONCE * (then - first) else then - first) / share
-                for ((first, last), share), then in zip(ways, begins, strict=True) if share > LARGE
-            )  # fmt: skip
-            large = np.array([way for way, share in ways if share > LARGE])
+            large = [(way, then, share) for (way, share), then in zip(ways, begins, strict=True) if share > LARGE]
+            followed = [way for way, then, _ in large if way[1] - way[0] > AT_ONCE * (then - way[0])]
+            shortest = min(((last if (first, last) in followed else then) - first) / share
+                           for (first, last), then, share in large)  # fmt: skip
             at = times[turns] if course.function is None else _refined(times, values, turns)
-            found.append(Swing(key, at, large, float(shortest)))
+            found.append(Swing(key, at, np.array(followed).reshape(-1, 2), float(shortest)))
     return found
 
 
