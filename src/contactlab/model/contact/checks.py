@@ -27,6 +27,7 @@ FACING = 64  # slave segments, from all over the surface, compared with all of t
 ROUND = 1e-9  # relative
 LAWS = "linear-pressure, exponential-pressure, tabular-pressure"
 ALIKE = 0.5  # cosine of the angle between normals of sides that look the same way
+FACETS = 0.1  # of the longest segment: how far facets of one curve stand in front of another
 TOO_DEEP = 1.0  # segment lengths beyond which no treatment of an overlap is tried
 
 
@@ -99,15 +100,19 @@ def _depth_behind(slave: Surface, name: str, rigid: Mapping[str, Floats], positi
     others = np.concatenate([np.zeros((0, 2, 2)), *(rigid[other] for other in rigid if other != name)])
     ends, (middle, outward) = positions[slave.nodes[slave.segments]], _middles(slave, positions)
     points = positions[slave.nodes]
+    longest = max(float(np.hypot(*(one[:, 1] - one[:, 0]).T).max()) for one in (ends, line))
     for some in (points[:: max(1, len(points) // FACING)], points, middle):
         height, feet, normals = _heights(some, line)
         counts = ~_behind_others(some, feet, others)
-        if not counts.any() or height[counts].max() > ROUND * np.abs(height).max():
+        # one of two curves that face the same way has facets in front of the other
+        slight = height <= FACETS * longest
+        if some is middle:
+            slight &= (outward * normals).sum(axis=1) > ALIKE
+        if not counts.any() or (counts & ~slight & (height > ROUND * np.abs(height).max())).any():
             return None
         if some is points:
             deepest = abs(float(height[counts].min()))
     nearest = np.flatnonzero(counts)[height[counts].argmax()]
-    longest = max(float(np.hypot(*(one[:, 1] - one[:, 0]).T).max()) for one in (ends, line))
     turned = float(outward[nearest] @ normals[nearest]) > ALIKE
     return deepest if turned or deepest > TOO_DEEP * longest else None
 

@@ -8,7 +8,10 @@ import numpy as np
 import pytest
 
 from contactlab.errors import SceneError
+from contactlab.model.build import build
 from contactlab.model.model import Model
+from contactlab.parts.registry import default_registry
+from contactlab.scene.scene import Scene
 
 FLOOR = {"line": [[4.0, -0.0], [-2.0, 0.0]]}
 
@@ -102,6 +105,29 @@ def test_each_surface_of_a_list_is_told_if_its_points_run_the_wrong_way(make, lo
         return
     with pytest.raises(SceneError, match="lies in the solid of the rigid surface top"):
         make(contacts=[contact], rigid=rigid)
+
+
+@pytest.mark.parametrize("cells", [6, 40])
+@pytest.mark.parametrize("inside", [True, False])
+def test_an_arc_that_runs_the_wrong_way_is_told_where_a_curve_lies_on_it(cells: int, inside: bool) -> None:
+    """A quarter ring in or around it; facets of either stand in front of those of the other."""
+    ring = {"use": "ring", "radii": [9.0, 10.0], "angles": [0.0, 90.0], "cells": [cells, 2]}
+    angles = [100.0, -10.0] if inside else [-10.0, 100.0]
+    data = {
+        "time": {"end": 1.0}, "integrator": "newton",
+        "materials": {"m": {"use": "linear-elastic", "young": 1.0, "poisson": 0.3, "density": 1.0}},
+        "bodies": {"ring": {"element": "q1", "material": "m", "mesh": ring}},
+        "rigid": {"drum": {"arc": {"centre": [0.0, 0.0], "radius": 10.0 if inside else 9.0, "angles": angles}}},
+        "contacts": [{
+            "slave": "ring.outer" if inside else "ring.inner", "master": "drum", "algorithm": "mortar-p1",
+            "start": {"overlap": "adjust"},
+        }],
+        "supports": [{"on": "ring.start", "ux": 0.0, "uy": 0.0}],
+    }  # fmt: skip
+    assert build(Scene.from_data(data), default_registry()).contact is not None
+    data["rigid"]["drum"]["arc"]["angles"] = angles[::-1]
+    with pytest.raises(SceneError, match=r"lies in the solid of the rigid surface drum|face away from each other"):
+        build(Scene.from_data(data), default_registry())
 
 
 def test_a_body_on_one_of_two_faces_of_a_corner_lies_in_no_solid(make) -> None:
