@@ -115,7 +115,8 @@ class WrongSide:
             return self._swap(value, limit, f"{seen}, and forces with them", "its normals are more accurate")
         if aside > LEAN:
             seen = f"normals of facets lean by {np.degrees(aside):.2g} degrees to one side, and forces with them"
-            return self._swap(aside, LEAN, seen, "slave nodes lie next to vertices of the master, where it turns")
+            why = "slave nodes lie next to vertices of the master, where it turns"
+            return self._swap(aside, LEAN, seen, why, "; if forces lean there as well, round the vertices")
         if other_lean > LEAN or self.pair.method.passes_patch_test:
             return None
         better = "the softer and finer side carries the multipliers better"
@@ -127,10 +128,10 @@ class WrongSide:
             return self._swap(coarseness, COARSER, seen, better)
         return None
 
-    def _swap(self, value: float, limit: float, seen: str, why: str) -> RunWarning:
+    def _swap(self, value: float, limit: float, seen: str, why: str, more: str = "") -> RunWarning:
         name, spec = self.pair.name, self.spec
         told = f"{spec.name or name}: {seen}; {why}"
-        add = f"write {name}.swap = {'false' if spec.swap else 'true'}"
+        add = f"write {name}.swap = {'false' if spec.swap else 'true'}{more}"
         return needed("other-slave", value, limit, f"{name}.swap", told, add)
 
 
