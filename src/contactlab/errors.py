@@ -126,6 +126,7 @@ def _written(value: object, depth: int) -> str:
     return str(value)
 
 
+TOLD = 9  # further errors of a file that are shown
 MISSPELT = 0.88
 """Ratio of difflib above which a name is another with a letter of eight missing, doubled or exchanged."""
 
@@ -160,18 +161,27 @@ class RequestError(ContactlabError):
     got      the offending value as it was written
     allowed  what would have been accepted
     hint     what to try
+    others   what else is wrong in the same file
     """
 
     exit_status = 2
 
     def __init__(
-        self, problem: str, *, where: Where = "", got: Any = NOTHING, allowed: str = "", hint: str = ""
+        self,
+        problem: str,
+        *,
+        where: Where = "",
+        got: Any = NOTHING,
+        allowed: str = "",
+        hint: str = "",
+        others: tuple[RequestError, ...] = (),
     ) -> None:
         self.problem = problem
         self.where = where
         self.got = got
         self.allowed = allowed
         self.hint = hint
+        self.others = others
         super().__init__(problem)
 
     def __str__(self) -> str:
@@ -183,16 +193,47 @@ class RequestError(ContactlabError):
             "try": self.hint,
         }
         rows += [f"  {label:<8} {visible(text)}" for label, text in details.items() if text]
+        rows += [str(other) for other in self.others[:TOLD]]
+        if len(self.others) > TOLD:
+            rows.append(f"and {len(self.others) - TOLD} more errors")
         return "\n".join(rows)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # the default would call the class with the message alone and lose the rest between processes
-        return _rebuild, (type(self), self.problem, self.where, self.got, self.allowed, self.hint)
+        return _rebuild, (
+            type(self), self.problem, self.where, self.got, self.allowed, self.hint, self.others,
+        )  # fmt: skip
 
 
-def _rebuild(kind: type[RequestError], problem: str, where: Where, got: Any, allowed: str, hint: str) -> RequestError:
+def _rebuild(
+    kind: type[RequestError], problem: str, where: Where, got: Any, allowed: str, hint: str,
+    others: tuple[RequestError, ...],
+) -> RequestError:  # fmt: skip
     got = NOTHING if isinstance(got, _Nothing) else got
-    return kind(problem, where=where, got=got, allowed=allowed, hint=hint)
+    return kind(problem, where=where, got=got, allowed=allowed, hint=hint, others=others)
+
+
+class Gathered:
+    """Errors of several keys, to be told together: `with gathered: ...` keeps an error and goes on behind it."""
+
+    def __init__(self) -> None:
+        self.found: list[RequestError] = []
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> bool:
+        if not isinstance(error, RequestError):
+            return False
+        self.found += [error, *error.others]
+        error.others = ()
+        return True
+
+    def tell(self) -> None:
+        """Raise the first error, which names the others; nothing without one."""
+        if self.found:
+            self.found[0].others = tuple(self.found[1:])
+            raise self.found[0]
 
 
 class SceneError(RequestError):

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal, TypeVar, get_args, get_origin
 
-from contactlab.errors import NOTHING, SceneError, Where, below, did_you_mean
+from contactlab.errors import NOTHING, Gathered, SceneError, Where, below, did_you_mean, nearest
 from contactlab.scene.accepts import MAPPINGS, in_words
 from contactlab.scene.fields import NAME, PartSpec, ReadPart, hints_of, is_required, keys_of
 from contactlab.scene.scalars import choice, scalar
@@ -21,23 +21,24 @@ T = TypeVar("T")
 def read_table(cls: type[T], table: Any, where: Where, read_part: ReadPart | None = None, **extra: Any) -> T:
     """An instance of the dataclass `cls` from a table as it was written.
 
-    Raises SceneError for unknown or missing keys, wrong types, numbers out of bounds and for
+    Raises SceneError for unknown or missing keys, wrong types, numbers out of bounds, all of them in one error, and for
     whatever the class's own `__post_init__` refuses with ValueError.
     """
     if not isinstance(table, Mapping):
         raise SceneError("a table is needed here", where=where, got=table, allowed=f"keys {', '.join(keys_of(cls))}")
     known = keys_of(cls)
-    for name in table:
-        if name not in known:
-            raise unknown_key(name, list(known), where)
+    gathered, unknown = Gathered(), [name for name in table if name not in known]
+    gathered.found += [unknown_key(name, list(known), where) for name in unknown]
     hints = hints_of(cls)
     reader = _Reader(read_part)
     values = {}
     for name, field in known.items():
         if name in table:
-            values[field.name] = reader.field(field, hints[name], table[name], below(where, name))
-        elif is_required(field):
-            raise _missing_key(field, hints[name], list(table), where)
+            with gathered:
+                values[field.name] = reader.field(field, hints[name], table[name], below(where, name))
+        elif is_required(field) and name not in {nearest(str(other), known) for other in unknown}:
+            gathered.found.append(_missing_key(field, hints[name], list(table), where))
+    gathered.tell()
     return construct(cls, {**values, **extra}, where)
 
 
@@ -156,7 +157,7 @@ class _Reader:
         if not isinstance(value, list | tuple):
             raise SceneError("a list is needed here", where=where, got=value, allowed=in_words(hint, limits))
         if get_origin(hint) is list or (len(inner) == 2 and inner[1] is Ellipsis):
-            items = [self.value(inner[0], item, below(where, i), limits) for i, item in enumerate(value)]
+            items = list(self._all(inner[0], dict(enumerate(value)), where, limits).values())
         elif len(value) != len(inner):
             raise SceneError("wrong number of entries", where=where, got=value, allowed=in_words(hint, limits))
         else:
@@ -172,7 +173,16 @@ class _Reader:
             if not NAME.fullmatch(str(name)):
                 allowed = "letters, digits, - and _, not beginning with a digit"
                 raise SceneError("not a usable name", where=below(where, name), got=name, allowed=allowed)
-        return {name: self.value(inner, item, below(where, name), limits) for name, item in value.items()}
+        return self._all(inner, value, where, limits)
+
+    def _all(self, hint: Any, items: Mapping[Any, Any], where: Where, limits: Mapping[str, Any]) -> dict[Any, Any]:
+        """Return all items as what `hint` promises. Raises one error for all that are wrong."""
+        gathered, found = Gathered(), {}
+        for name, item in items.items():
+            with gathered:
+                found[name] = self.value(hint, item, below(where, name), limits)
+        gathered.tell()
+        return found
 
 
 def _looks_like(option: Any, value: Any) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -279,3 +280,27 @@ def test_the_installed_program_returns_the_status(tmp_path: Path) -> None:
     assert done.returncode == 2
     assert done.stderr.startswith("contactlab: bundled scene disc-on-block, key level")
     assert "Traceback" not in done.stderr
+
+
+def test_all_that_is_wrong_in_a_file_is_told_at_once(tmp_path: Path) -> None:
+    """Keys, values and parts of tables in tables, each once, also from another process; a misspelt key is not missing."""
+    text = SCENE
+    wrong = {"poisson = 0.3": "poison = 0.3", 'element = "q1"': 'elment = "q1"', '"mortar-p0"': '"mortar-p2"',
+             'units = "mm N s t"': "units = 3"}  # fmt: skip
+    for old, new in wrong.items():
+        text = text.replace(old, new, 1)
+    (tmp_path / "scene.toml").write_text(text)
+    with pytest.raises(RequestError) as caught:
+        load_scene(tmp_path / "scene.toml")
+    told = str(pickle.loads(pickle.dumps(caught.value)))
+    assert told == str(caught.value)
+    for key in ("materials.steel.poison", "bodies.disc.elment", "contacts.0.algorithm", "units"):
+        assert told.count(f"key {key}: ") == 1, key
+    assert len(caught.value.others) == len(wrong) - 1
+    assert "is missing" not in told
+
+
+def test_a_file_full_of_errors_is_told_in_part() -> None:
+    with pytest.raises(RequestError, match="and 11 more errors") as caught:
+        load_scene("disc-on-block").with_({f"wrong{number}": 1 for number in range(21)})
+    assert str(caught.value).count("unknown key") == 10
