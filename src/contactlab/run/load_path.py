@@ -152,7 +152,10 @@ def _followed(swing: Swing, short: float) -> Floats:
 
 
 def load_drops(scene: Scene, timing: Timing, step: float) -> list[float]:
-    """Times [s] in (0, end) right before a load drops within much less than a step [s], and sets off waves."""
+    """Times [s] in (0, end) right before a load drops within much less than a step [s], and sets off waves.
+
+    A load that changes its sign drops to zero and rises again.
+    """
     found: set[float] = set()
     for key, _, course in courses_in(scene):
         if key.startswith("loads.") and course.moves:
@@ -160,7 +163,8 @@ def load_drops(scene: Scene, timing: Timing, step: float) -> list[float]:
             least = DROP * max((abs(value(time)) for time in times), default=0.0)
             for time in times:
                 before = time - 0.5 * NEARLY * timing.last
-                if abs(value(before)) - abs(value(time + AT_ONCE * step)) > least:
+                here, then = value(before), value(time + AT_ONCE * step)
+                if abs(here) - max(0.0, np.sign(here) * then) > least:
                     found.add(before)
     return sorted(found)
 
