@@ -233,7 +233,7 @@ class Gathered:
         """Raise the first error, which names the others; nothing without one."""
         if self.found:
             self.found[0].others = tuple(self.found[1:])
-            raise self.found[0]
+            raise self.found[0].with_traceback(None)  # or it shows the way through every table
 
 
 class SceneError(RequestError):
