@@ -22,8 +22,8 @@ SAMPLES = 1024
 EACH_LEG = 17  # samples between two corners of a loading that goes to and fro
 IN_TIME = 10  # steps in time of each way
 NEARLY = 1e-9  # of the whole time: differences below it are round-off
-DROP = 0.05  # of the largest load: less is no drop
-AT_ONCE = 0.1  # of a step: loads that drop within it drop at once
+JUMP = 0.05  # of the largest load: less is no jump
+AT_ONCE = 0.1  # of a step: loads that change within it jump
 LEAST = 1e-3  # of the whole path that time itself counts, so that a hold is passed in few steps
 
 
@@ -146,27 +146,36 @@ def corners(scene: Scene, timing: Timing, swings: list[Swing]) -> list[float]:
 
 
 def _followed(swing: Swing, short: float) -> Floats:
-    """Ways (w, 2) [s] of a value that steps follow: loads that move within a `short` time [s] drop or rise at once."""
-    longer = np.diff(swing.ways)[:, 0] > (short if swing.key.startswith("loads.") else 0.0)
-    return np.asarray(swing.ways[longer])
+    """Ways (w, 2) [s] of a value that steps follow: not jumps of loads, made within a `short` time [s] to last longer.
 
-
-def load_drops(scene: Scene, timing: Timing, step: float) -> list[float]:
-    """Times [s] in (0, end) right before a load drops within much less than a step [s], and sets off waves.
-
-    A load that changes its sign drops to zero and rises again.
+    Steps end at jumps (`load_jumps`). A load that comes and goes within a short time is followed.
     """
-    found: set[float] = set()
+    if not swing.key.startswith("loads."):
+        return swing.ways
+    jumps = np.diff(swing.ways)[:, 0] <= short
+    lasts = np.append(swing.ways[1:, 0], np.inf) - swing.ways[:, 1] > short
+    spikes = np.flatnonzero(jumps[:-1] & jumps[1:] & ~lasts[:-1])
+    jumps[spikes] = jumps[spikes + 1] = False
+    return np.asarray(swing.ways[~jumps])
+
+
+def load_jumps(scene: Scene, timing: Timing, step: float) -> dict[float, bool]:
+    """Times [s] in (0, end) right before a load changes within much less than a step [s]; whether it drops there.
+
+    A load that drops sets off waves. One that changes its sign drops to zero and rises again.
+    """
+    found: dict[float, bool] = {}
     for key, _, course in courses_in(scene):
         if key.startswith("loads.") and course.moves:
             value, times = course.bind(timing.ramps), [t for t in course.corners(timing.ramps) if 0.0 < t < timing.last]
-            least = DROP * max((abs(value(time)) for time in times), default=0.0)
-            for time in times:
-                before = time - 0.5 * NEARLY * timing.last
-                here, then = value(before), value(time + AT_ONCE * step)
-                if abs(here) - max(0.0, np.sign(here) * then) > least:
-                    found.add(before)
-    return sorted(found)
+            near = [(t - 0.5 * NEARLY * timing.last, t + AT_ONCE * step) for t in times]
+            sides = [(before, value(before), value(after)) for before, after in near]
+            least = JUMP * max((max(abs(here), abs(then)) for _, here, then in sides), default=0.0)
+            for before, here, then in sides:
+                if abs(then - here) > least:
+                    drops = abs(here) - max(0.0, np.sign(here) * then) > least
+                    found[before] = drops or found.get(before, False)
+    return dict(sorted(found.items()))
 
 
 def _motion(model: Model, times: Floats) -> Floats:

@@ -12,7 +12,7 @@ from contactlab.api import Floats, ImplicitIntegrator, RunWarning, Step
 from contactlab.errors import SceneError, SimulationFailure
 from contactlab.model.timing import A_PERIOD
 from contactlab.run.controlled_step import next_stop, within
-from contactlab.run.load_path import LoadPath, TimePath, corners, load_drops
+from contactlab.run.load_path import LoadPath, TimePath, corners, load_jumps
 from contactlab.run.schedule import SHORTEST_CONTROLLED, Schedule
 from contactlab.run.stabilised_steps import CUTS, JUMP, StabilisedSteps
 from contactlab.run.swings import Swing, frame_warnings, step_warnings
@@ -35,7 +35,7 @@ AGAIN = 0.6  # of the wished step: below it a step is stabilised where an earlie
 TURNED = 0.1  # of a step, the first one after a turn: what reverses in it has no work, in a stiff pad all friction
 HELD = 100  # steps of the longest hold: some periods, over which it is judged, are then a part of it
 NUMBER = re.compile(r"[\d.]+(e[+-]?\d+)?")
-AFTER_DROP = 1.0 / 32.0  # of a step: the first one after a load has dropped at once
+AFTER_JUMP = 1.0 / 32.0  # of a step: the first one after a load has jumped, of which it takes the mean of both ends
 CREEPS = 1.0 / 256.0  # of the wished step: shorter steps make no progress if every longer attempt fails
 CREPT = 20  # such steps in a row, after which it is given up
 NEARLY = 1e-9  # of a step: differences below it are round-off
@@ -55,7 +55,7 @@ class LoadSchedule(Schedule):
         total, chosen = self.timing.last, self.fixed is None and not integrator.fixes_steps()
         statics = not integrator.inertia and self.fixed is None
         self.path: LoadPath | TimePath
-        self.drops: list[float] = []
+        self.jumps: dict[float, bool] = {}
         length = 0.0
         number = integrator.wished_steps() if self.fixed is None else total / self.fixed
         if statics:
@@ -66,8 +66,8 @@ class LoadSchedule(Schedule):
             if chosen and self.timing.end is None:
                 number = max(number, A_PERIOD * total / self.timing.period)
             if integrator.inertia:
-                self.drops = load_drops(self.scene, self.timing, total / number)
-                ends = [*self.drops, total]
+                self.jumps = load_jumps(self.scene, self.timing, total / number)
+                ends = [*self.jumps, total]
             else:
                 ends = corners(self.scene, self.timing, self.swings)
             self.path = TimePath(total, number, self.swings if chosen else [], ends)
@@ -182,11 +182,12 @@ class LoadSchedule(Schedule):
         elif step.iterations <= EASY:
             self.part = min(self.wished, self.grow * self.part)
         self.dt = self._length()
-        if any(abs(self.state.time - drop) <= NEARLY * dt for drop in self.drops):
-            from contactlab.implicit.impacts import resolve_waves
+        if near := [drops for time, drops in self.jumps.items() if abs(self.state.time - time) <= NEARLY * dt]:
+            self.dt *= AFTER_JUMP
+            if any(near):
+                from contactlab.implicit.impacts import resolve_waves
 
-            self.dt *= AFTER_DROP
-            resolve_waves(self.state, self.model.mass, self.dt)
+                resolve_waves(self.state, self.model.mass, self.dt)
         if step.longest is not None:
             self.dt = within(step.longest, self.dt)
 
