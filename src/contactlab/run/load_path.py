@@ -24,6 +24,7 @@ IN_TIME = 10  # steps in time of each way
 NEARLY = 1e-9  # of the whole time: differences below it are round-off
 JUMP = 0.05  # of the largest load: less is no jump
 AT_ONCE = 0.1  # of a step: loads that change within it jump
+APART = 1e-3  # of a step: jumps that are closer are one
 LEAST = 1e-3  # of the whole path that time itself counts, so that a hold is passed in few steps
 
 
@@ -162,20 +163,31 @@ def _followed(swing: Swing, short: float) -> Floats:
 def load_jumps(scene: Scene, timing: Timing, step: float) -> dict[float, bool]:
     """Times [s] in (0, end) right before a load changes within much less than a step [s]; whether it drops there.
 
-    A load that drops sets off waves. One that changes its sign drops to zero and rises again.
+    A load that drops sets off waves. One that changes its sign drops to zero and rises again. No two times are so
+    close, nor one so close to the end, that the step between them has no equilibrium but for round-off.
     """
-    found: dict[float, bool] = {}
+    found: list[tuple[float, bool]] = []
     for key, _, course in courses_in(scene):
         if key.startswith("loads.") and course.moves:
             value, times = course.bind(timing.ramps), [t for t in course.corners(timing.ramps) if 0.0 < t < timing.last]
-            near = [(t - 0.5 * NEARLY * timing.last, t + AT_ONCE * step) for t in times]
-            sides = [(before, value(before), value(after)) for before, after in near]
-            least = JUMP * max((max(abs(here), abs(then)) for _, here, then in sides), default=0.0)
+            sides = []
+            for time in times:
+                before = time - 0.5 * NEARLY * timing.last
+                near = [other for other in times if time <= other < time + AT_ONCE * step]
+                sides.append((before, value(before), [value(t) for t in (*near, time + AT_ONCE * step)]))
+            least = JUMP * max((abs(one) for _, here, then in sides for one in (here, *then)), default=0.0)
             for before, here, then in sides:
-                if abs(then - here) > least:
-                    drops = abs(here) - max(0.0, np.sign(here) * then) > least
-                    found[before] = drops or found.get(before, False)
-    return dict(sorted(found.items()))
+                if max(abs(one - here) for one in then) > least:
+                    found.append((before, abs(here) - max(0.0, min(np.sign(here) * one for one in then)) > least))
+    jumps: dict[float, bool] = {}
+    for time, drops in sorted(found):
+        last = next(reversed(jumps), 0.0)
+        if time - last > APART * step:
+            if timing.last - time > APART * step:
+                jumps[time] = drops
+        elif jumps:
+            jumps[last] |= drops
+    return jumps
 
 
 def _motion(model: Model, times: Floats) -> Floats:

@@ -182,8 +182,10 @@ class LoadSchedule(Schedule):
         elif step.iterations <= EASY:
             self.part = min(self.wished, self.grow * self.part)
         self.dt = self._length()
-        if near := [drops for time, drops in self.jumps.items() if abs(self.state.time - time) <= NEARLY * dt]:
-            self.dt *= AFTER_JUMP
+        if near := [drops for at, drops in self.jumps.items() if abs(self.state.time - at) <= NEARLY * dt]:
+            time = self.state.time
+            short = AFTER_JUMP * (self.path.time(min(1.0, self.path.fraction(time) + self.part)) - time)
+            self.dt = self.dt if self.dt <= 2.0 * short else short
             if any(near):
                 from contactlab.implicit.impacts import resolve_waves
 
