@@ -93,7 +93,7 @@ def check_solid_side(
 def _depth_behind(slave: Surface, name: str, rigid: Mapping[str, Floats], positions: Floats) -> float | None:
     """Return how deep [mm] a slave lies in the solid of a surface; None if some of it is in front or may overlap.
 
-    Points in front of other faces of the same solid, or on them, count as neither. Less than a segment is an
+    Points in front of other faces of the same solid, on them or past an end count as neither. Less than a segment is an
     overlap, unless the nearest segment faces the same way as the surface.
     """
     line = rigid[name]
@@ -103,7 +103,7 @@ def _depth_behind(slave: Surface, name: str, rigid: Mapping[str, Floats], positi
     longest = max(float(np.hypot(*(one[:, 1] - one[:, 0]).T).max()) for one in (ends, line))
     for some in (points[:: max(1, len(points) // FACING)], points, middle):
         height, feet, normals = _heights(some, line)
-        counts = ~_behind_others(some, feet, others)
+        counts = ~_behind_others(some, feet, others) & ~_beyond(some, feet, normals, line)
         # one of two curves that face the same way has facets in front of the other
         slight = height <= FACETS * longest
         if some is middle:
@@ -115,6 +115,17 @@ def _depth_behind(slave: Surface, name: str, rigid: Mapping[str, Floats], positi
     nearest = np.flatnonzero(counts)[height[counts].argmax()]
     turned = float(outward[nearest] @ normals[nearest]) > ALIKE
     return deepest if turned or deepest > TOO_DEEP * longest else None
+
+
+def _beyond(points: Floats, nearest: Floats, normals: Floats, line: Floats) -> Flags:
+    """Return whether each point lies past a free end of an open curve, along it: a facet there says nothing of it."""
+    begin, end = line[0, 0], line[-1, 1]
+    if np.array_equal(begin, end):
+        return np.zeros(len(points), dtype=bool)
+    slight = ROUND * float(np.abs(line).max())
+    at_end = np.logical_or(*(np.hypot(*(nearest - one).T) <= slight for one in (begin, end)))
+    across = (points - nearest) - ((points - nearest) * normals).sum(axis=1)[:, None] * normals
+    return np.asarray(at_end & (np.hypot(*across.T) > slight))
 
 
 def _behind_others(points: Floats, nearest: Floats, segments: Floats) -> Flags:

@@ -130,6 +130,19 @@ def test_an_arc_that_runs_the_wrong_way_is_told_where_a_curve_lies_on_it(cells: 
         build(Scene.from_data(data), default_registry())
 
 
+def test_a_blank_before_the_end_of_an_arc_lies_in_no_solid() -> None:
+    """Level with the top of a die radius, before it: the last facet, prolonged, would pass over it."""
+    blank = {"use": "rectangle", "x": [-10.0, 4.9], "y": [0.001, 0.1], "cells": [40, 1]}
+    data = {
+        "time": {"end": 1.0}, "integrator": "implicit-dynamics",
+        "materials": {"m": {"use": "linear-elastic", "young": 1.0, "poisson": 0.3, "density": 1.0}},
+        "bodies": {"blank": {"element": "q1", "material": "m", "mesh": blank}},
+        "rigid": {"die": {"arc": {"centre": [5.0, -1.0], "radius": 1.0, "angles": [0.0, 90.0]}}},
+        "contacts": [{"slave": "blank.bottom", "master": "die", "algorithm": "mortar-p1"}],
+    }  # fmt: skip
+    assert build(Scene.from_data(data), default_registry()).contact is not None
+
+
 def test_a_body_on_one_of_two_faces_of_a_corner_lies_in_no_solid(make) -> None:
     """It may reach round the corner later; the face beside the corner has it behind itself."""
     rigid = {"top": {"line": [[9.0, 0.0], [-1.0, 0.0]]}, "side": {"line": [[-1.0, 0.0], [-1.0, -9.0]]}}
