@@ -263,3 +263,23 @@ def test_stiff_springs_press_evenly(enforcement: dict[str, Any], steps: int, ang
     inside = (time > 0.1) & (time < 0.9)
     np.testing.assert_allclose(force[inside], 1.0, atol=3.0 / steps)
     assert force[inside].mean() == pytest.approx(1.0, abs=0.2 / steps)  # the ripple goes to both sides
+
+
+def test_a_wall_that_sets_a_bar_at_rest_in_motion_is_no_impact() -> None:
+    """Round-off of the motion before counted as one, and steps were cut to 1e-21 s. The bar leaves at twice its speed.
+
+    The tolerance is that of impacts and of steps that are not cut, some cells long.
+    """
+    rest, speed = 1e-5, 1e3  # times and stresses at which round-off had more energy than nothing
+    steel = {"use": "linear-elastic", "young": 1000.0, "poisson": 0.3, "density": 1e-9}
+    motion = {"to": 0.1, "ramp": "table", "points": [[0.0, 0.0], [rest, 0.0], [rest + 0.1 / speed, 1.0]]}
+    scene = Scene.from_data({
+        "time": {"end": 4e-5}, "integrator": "implicit-dynamics", "materials": {"m": steel},
+        "bodies": {"bar": strip((0.0, 10.0), (0.0, 1.0), [40, 1])},
+        "rigid": {"wall": {"line": [[0.0, -1.0], [0.0, 2.0]], "ux": motion}},
+        "contacts": [{"slave": "bar.left", "master": "wall", "algorithm": "mortar-p1"}],
+        "supports": [{"on": "bar", "uy": 0.0}],
+    })  # fmt: skip
+    results = simulate(scene, watch={"kept": Series(("velocity.bar.x",))})
+    assert results.status == "finished", results.reason
+    assert results.watched["kept"]["velocity.bar.x"][-1] / speed == pytest.approx(2.0, abs=0.08)

@@ -82,7 +82,8 @@ class Impacts:
         work = -float(np.vdot(normal, moved))
         closing = max(-float(np.vdot(normal, velocity)) * self.dt, work)
         least = SHARE * max(self.kinetic, self.stored)
-        if closing <= least or self.kinetic <= SLIGHT * self.memory[LARGEST]:
+        # bodies at rest that are set in motion have round-off of it before
+        if closing <= least or self.kinetic <= SLIGHT * max(float(self.memory[LARGEST]), closing):
             return None
         share = min(work / closing, 0.9)
         if work > least and share > SHORTEST:
