@@ -15,6 +15,8 @@ from contactlab.parts.registry import Registry
 from contactlab.run.interruption import Interrupted
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import load_scene
+from contactlab.testing.check_part import check_part
+from contactlab.testing.subject import Subject
 
 REGISTRY = Registry(files=[Path(__file__).with_name("adaptive.py")])
 FREQUENCY, SPEED = 1.0, 1e-3
@@ -126,3 +128,9 @@ def test_an_integrator_that_asks_for_control_reports_errors(swing: Any) -> None:
 )
 def test_the_controller_has_limits(error: float, before: float, ratio: float) -> None:
     assert StepControl(order=3).ratio(error, before) == pytest.approx(ratio, rel=1e-14)
+
+
+@pytest.mark.full
+def test_an_integrator_with_control_is_not_refused() -> None:
+    report = check_part(Subject(REGISTRY, "integrator", "adaptive-leapfrog", {}), until_failure=True)
+    assert [(o.check, o.reason) for o in report.outcomes if o.status == "failed"] == []

@@ -144,8 +144,8 @@ class NormalLaw(Enforcement):
         weight = (0.5 * weights * length).ravel()
         at = (first - np.outer(share, depth)).ravel()
         pressure, slope = np.zeros_like(at), np.zeros_like(at)
-        behind, known = (_repeated(values, len(share)) for values in ({"k": stiffness, "size": size}, named))
-        self.pressure(at, *behind.values(), pressure, slope, **known)
+        count, known = len(share), {name: _repeated(value, len(share)) for name, value in named.items()}
+        self.pressure(at, _repeated(stiffness, count), _repeated(size, count), pressure, slope, **known)
         total: Floats = depth * (weight @ pressure.reshape(len(share), -1))
         return total
 
@@ -155,9 +155,6 @@ class NormalLaw(Enforcement):
         return "pressure" in formulas_of(cls)
 
 
-def _repeated(values: Mapping[str, Any], count: int) -> dict[str, Any]:
-    """Return arrays (count k, ...) of arrays (k, ...) one behind the other, and numbers as they are."""
-    return {
-        name: np.tile(value, (count, *np.ones(np.ndim(value) - 1, dtype=int))) if np.ndim(value) else value
-        for name, value in values.items()
-    }
+def _repeated(value: Any, count: int) -> Any:
+    """Return an array (k, ...) so many times, one after the other, as (count k, ...); a number as it is."""
+    return np.concatenate([value] * count) if np.ndim(value) else value

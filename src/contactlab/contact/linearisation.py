@@ -155,7 +155,7 @@ class PairLinearisation(Linearisation):
     def _changes(
         self, chosen: Ints, directions: list[Floats], inverse: Entries, pieces: PieceDerivatives, wanted: Floats
     ) -> Any:
-        """Return the derivatives by weights and normals of gaps (c, 2N), followed by those of slips with friction."""
+        """Return derivatives of gaps by weights and normals (c, 2N); with friction the derivatives of slips follow."""
         pair, separation, own = self.pair, self.pair.separation, (chosen, chosen, np.ones(len(chosen)))
         changes = [self._weight_changes(pieces, wanted, pair.at, separation), self._normal_changes(pieces)]
         # (kind, change): each kind of rows, gaps and slips, is a sum of parts times changes

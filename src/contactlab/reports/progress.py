@@ -13,7 +13,7 @@ from contactlab.jobs.progress import Progress
 from contactlab.reports.terminal import Terminal
 
 QUICK = ("preparing kernel", "loading kernel")
-"""What needs no line of its own in a file or a pipe."""
+"""Actions too short for a line in a file or a pipe."""
 
 
 def progress_of(total: int | None = None, show: bool | None = None) -> Progress:

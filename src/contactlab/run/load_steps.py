@@ -36,7 +36,7 @@ TURNED = 0.1  # of a step, the first one after a turn: what reverses in it has n
 HELD = 100  # steps of the longest hold: some periods, over which it is judged, are then a part of it
 NUMBER = re.compile(r"[\d.]+(e[+-]?\d+)?")
 AFTER_JUMP = 1.0 / 32.0  # of a step: the first one after a load has jumped, of which it takes the mean of both ends
-CREEPS = 1.0 / 256.0  # of the wished step: shorter steps make no progress if every longer attempt fails
+CREEPS = 1.0 / 256.0  # of the wished step: with shorter steps a run does not end if every longer attempt fails
 CREPT = 20  # such steps in a row, after which it is given up
 NEARLY = 1e-9  # of a step: differences below it are round-off
 

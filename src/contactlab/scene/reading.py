@@ -29,6 +29,7 @@ def read_table(cls: type[T], table: Any, where: Where, read_part: ReadPart | Non
     known = keys_of(cls)
     gathered, unknown = Gathered(), [name for name in table if name not in known]
     gathered.found += [unknown_key(name, list(known), where) for name in unknown]
+    meant = {nearest(str(name), known) for name in unknown}
     hints = hints_of(cls)
     reader = _Reader(read_part)
     values = {}
@@ -36,7 +37,7 @@ def read_table(cls: type[T], table: Any, where: Where, read_part: ReadPart | Non
         if name in table:
             with gathered:
                 values[field.name] = reader.field(field, hints[name], table[name], below(where, name))
-        elif is_required(field) and name not in {nearest(str(other), known) for other in unknown}:
+        elif is_required(field) and name not in meant:
             gathered.found.append(_missing_key(field, hints[name], list(table), where))
     gathered.tell()
     return construct(cls, {**values, **extra}, where)

@@ -138,7 +138,7 @@ def _grid(runs: Mapping[str, Results], moments: Iterable[Moment]) -> tuple[Figur
 
 
 def _wrapped(axes: Axes, title: str) -> str:
-    """The title in lines that the axes have room for, next to those of their neighbours."""
+    """The title, broken into lines that fit above these axes and not over their neighbours."""
     wide = figure_of(axes).get_figwidth()
     grid = axes.get_subplotspec()
     return textwrap.fill(title, int(LETTERS * wide / (grid.get_gridspec().ncols if grid is not None else 1)))
