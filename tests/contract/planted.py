@@ -139,6 +139,13 @@ PLANTED: dict[str, tuple[Defect, ...]] = {
         ("by the bound of all", "-rate / self.speed", "-rate.max() / self.speed"),
         ("another in every call", "np.abs(slip_rate)", "np.abs(slip_rate) + 1e-3 * np.random.default_rng().random(len(slip_rate))"),
     ),
+    "friction outside rate-friction/src/rate_friction/laws.py:Bulk": (
+        ("pulls in tension", "np.maximum(-traction, 0.0)", "-traction"),
+        ("shear is not used", ", self.shear)", ", 1.0)"),
+        ("of the mean of all", "np.maximum(-traction, 0.0)", "np.maximum(-traction, 0.0).mean() + 0.0 * traction"),
+        ("traction is not used", "np.maximum(-traction, 0.0)", "1.0"),
+        ("counts its steps", "        return FrictionBound(0.0,", "        STEPS[0] += 1\n        return FrictionBound(0.01 * STEPS[0],", "@dataclass(frozen=True)\nclass Bulk", "STEPS = [0]\n\n\n@dataclass(frozen=True)\nclass Bulk"),
+    ),
     "friction outside rate-friction/src/rate_friction/laws.py:RateAndState": (
         ("age without dt", "share * dt}", "share}"),
         ("start misspelt", "def start(self):", "def starts(self):"),

@@ -154,7 +154,6 @@ def contactlab_parts():
 @pytest.mark.parametrize(
     ("kind", "base", "names", "told"),
     [
-        ("friction", "FrictionLaw", {"needs": ("traction",)}, "its needs name traction; allowed: pressure"),
         (
             "material",
             "Material",

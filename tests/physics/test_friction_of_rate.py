@@ -22,6 +22,7 @@ LAWS = Path(__file__).parents[1] / "outside" / "rate-friction" / "src" / "rate_f
 REGISTRY = Registry(files=[LAWS])
 ALGORITHMS = pytest.mark.parametrize("algorithm", ["node-on-segment", "mortar-p1"])
 STRIBECK = {"use": "stribeck", "static": 0.5, "kinetic": 0.3, "speed": 20.0}
+BULK = {"use": "bulk", "mu": 0.3, "shear": 50.0}
 DIETERICH = {"use": "rate-and-state", "mu": 0.4, "a": 0.02, "b": 0.03, "length": 1.0, "speed": 1.0}
 
 
@@ -81,6 +82,13 @@ def test_a_step_of_the_rate_has_a_direct_effect_and_an_evolution() -> None:
     assert errors[1] < 3e-3
 
 
+def test_a_share_of_the_stress_behind_is_drawn_along() -> None:
+    """Rubbed from the second step on, as the first begins without stress; each step turns shares of shear by 4e-3."""
+    _, found = drawn(BULK, (10.0, 100.0), 0.02, 8, "mortar-p1")
+    assert found[0] == pytest.approx(0.0, abs=1e-12)
+    assert found[-1] == pytest.approx(0.3, rel=1e-8)
+
+
 def sliding(integrator: dict[str, Any], friction: dict[str, Any], speed: float, algorithm: str) -> Scene:
     """A block, one cell high and under a given squeeze, that slides freely over a floor from a start at this speed."""
     return Scene.from_data(
@@ -138,10 +146,42 @@ def error_of_a_slide(integrator: dict[str, Any], steps: int, algorithm: str) -> 
     return float(abs(model.mass[own] @ model.state["velocity"][own, 0] / expected - 1.0))
 
 
+@pytest.mark.parametrize(
+    ("use", "block"), [("central-difference", 2), ("implicit-dynamics", 2), ("central-difference", 1)]
+)
+def test_a_share_of_the_stress_behind_slows_a_block(use: str, block: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A load N of 1 N takes mu N in each step but the first, which begins without stress: exact to round-off.
+
+    Blocks of single cells share their room for stresses in explicit runs.
+    """
+    monkeypatch.setattr("contactlab.model.bodies.body.block_size", lambda cells: block)
+    integrator = {"use": use} | ({"impacts": False} if use == "implicit-dynamics" else {})
+    steps, dt = 60, 1e-5
+    model = build(sliding(integrator, BULK, 1000.0, "mortar-p1"), REGISTRY)
+    assert len(model.forces[0].blocks) == 2 // block
+    advance = model.bound_integrator().step
+    for _ in range(steps):
+        assert advance(dt).status is StepStatus.accepted
+    own = slice(model.bodies[0].first, model.bodies[0].first + model.bodies[0].count)
+    momentum = model.mass[own] @ model.state["velocity"][own, 0]
+    assert 1e-3 - momentum == pytest.approx(0.3 * (steps - 1) * dt, rel=1e-8)
+    assert model.contact is not None
+    assert model.contact.pairs[0].memory["traction"] == pytest.approx([-1.0] * 3, rel=1e-6)
+
+
+def test_the_stress_behind_is_recorded_with_the_curves(tmp_path: Path) -> None:
+    scene = sliding({"use": "newton"}, BULK, 0.0, "mortar-p1").with_({"supports.0.ux": 0.01})
+    results = contactlab.simulate(scene, out=tmp_path)
+    assert results.contact["contacts.0"].last.memory["traction"] == pytest.approx([-1.0] * 3)
+    assert "traction" in (tmp_path / "contact.csv").read_text(encoding="utf-8").splitlines()[0]
+
+
+@pytest.mark.parametrize("law", [DIETERICH | {"speed": 1000.0, "length": 0.1}, BULK], ids=["memory", "stress"])
 @pytest.mark.parametrize("use", ["central-difference", "implicit-dynamics", "newton"])
-def test_memory_survives_a_restart_and_no_step_that_fails_advances_it(use: str, taken_up: Any) -> None:
+def test_memory_survives_a_restart_and_no_step_that_fails_advances_it(
+    use: str, law: dict[str, Any], taken_up: Any
+) -> None:
     """Taken up by new parts half-way, and with steps that are rejected or taken back: the same bits."""
-    law = DIETERICH | {"speed": 1000.0, "length": 0.1}
     integrator = {"use": use} | ({"impacts": False} if use == "implicit-dynamics" else {})
     scene = sliding(integrator, law, 1000.0, "mortar-p1").with_({"materials.m.use": "neo-hookean"})
     if use == "newton":
@@ -149,9 +189,10 @@ def test_memory_survives_a_restart_and_no_step_that_fails_advances_it(use: str, 
         scene = scene.with_(drawn_along)
     dt, steps = 1e-5, 8
     model, _ = taken_up(scene, REGISTRY, dt, steps)
-    theta = model.state["friction.contacts.0"][-1]
+    kept = model.state["friction.contacts.0"][-1]
     assert model.contact is not None
-    assert np.all(theta[model.state["multipliers"][0, model.contact.pairs[0].own] > 0.0] != 1e-4)
+    start = 1e-4 if law["use"] == "rate-and-state" else 0.0
+    assert np.all(kept[model.state["multipliers"][0, model.contact.pairs[0].own] > 0.0] != start)
 
 
 @pytest.mark.parametrize("dt", [1e-3, 1e-5])

@@ -10,7 +10,7 @@ import numpy as np
 
 from contactlab.api.arrays import Floats
 
-FrictionNeed = Literal["pressure", "slip_rate", "dt", "time", "position", "cell_size"]
+FrictionNeed = Literal["pressure", "slip_rate", "dt", "time", "position", "cell_size", "traction"]
 """Names that a friction law may need in addition to fields of the scene, see `FrictionLaw`."""
 
 
@@ -53,6 +53,8 @@ class FrictionLaw(ABC):
             time       [s] at its end
             position   (k, 2) [mm] of the slave nodes in the last step
             cell_size  (k,) [mm] length of slave surface at each, at the start of the run
+            traction   (k,) [MPa], the normal stress of the cells behind the slave nodes at the end of the last step,
+                       positive in tension
             any other name: (k,) a field of the scene (`[fields]`), such as "temperature", at the end of the step
     memory  names of numbers remembered for each multiplier: further keywords, arrays (k,)
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from contactlab.api import ExplicitEnforcement, FactoredRows, Floats, Rows, Solve, State
 from contactlab.contact.pair import ContactPair, shown
-from contactlab.contact.sliding import FOLLOWED, varying
+from contactlab.contact.sliding import FOLLOWED, taking_tractions, varying
 from contactlab.errors import WrongAnswer
 from contactlab.kernels.contact.rows import extrapolate, tangential_work
 
@@ -123,8 +123,8 @@ class ContactSystem:
 
     @property
     def follow(self) -> tuple[Callable[[float, float], None], ...]:
-        """Functions called with the end and the length [s] of each step after it."""
-        return ()
+        """Functions called with the end and the length [s] of each step after it: bounds that follow stresses."""
+        return taking_tractions(self.varying)
 
     def _enforce(self, compliance: Floats, force: Floats) -> Solve:
         """Solve for the forces of the rows."""

@@ -17,7 +17,7 @@ from contactlab.contact.linearisation import linearised
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair, shown
 from contactlab.contact.passage import first_passage
-from contactlab.contact.sliding import held_together, varying
+from contactlab.contact.sliding import held_together, taking_tractions, varying
 from contactlab.kernels.contact.coupling import Coupling
 
 if TYPE_CHECKING:
@@ -88,8 +88,12 @@ class ImplicitContactSystem:
         return sum((Counter(pair.calls_per_step()) for pair in self.passes), Counter())
 
     begin: tuple[StepCall, ...] = ()
-    follow: tuple[StepCall, ...] = ()
-    """Nothing is called around a step: `begin_step` and `accept` are calls of the integrator."""
+    """Nothing is called before a step: `begin_step` is a call of the integrator."""
+
+    @property
+    def follow(self) -> tuple[StepCall, ...]:
+        """Functions called with the end and the length [s] of each step after it: bounds that follow stresses."""
+        return taking_tractions(self.varying)
 
     def begin_step(self, position: Floats, time: float) -> None:
         """Begin a step that ends at `time` [s] from `position` (N, 2), with the memory of the state."""

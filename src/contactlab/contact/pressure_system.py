@@ -134,7 +134,7 @@ class PressureContactSystem(ConsistentContactSystem):
     @property
     def follow(self) -> tuple[Callable[[float, float], None], ...]:
         """Inform a law with memory."""
-        return () if self.memory is None else (self._remember,)
+        return super().follow if self.memory is None else (self._remember, *super().follow)
 
     def _begin_step(self, end: float, dt: float) -> None:
         assert self.memory is not None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from contactlab.parts.remembered import checked, remember
 
 if TYPE_CHECKING:
     from contactlab.contact.pair import ContactPair
+    from contactlab.contact.traction_system import Tractions
 
 KEPT = ("coefficient", "adhesion", "cap", "pressure", "slip_rate")
 """First rows of the state of a law that varies."""
@@ -64,7 +66,9 @@ class Sliding:
 class VaryingSliding(Sliding):
     """The bound of a law that depends on the motion: `kept` (r, k) is a part of the state.
 
-    Its rows are `KEPT`, two rows of positions if the law needs them, and its memory.
+    Its rows are `KEPT`, two rows of positions and one of tractions if the law needs them, and its memory.
+
+    tractions  by the stresses of this moment, for a law that needs them; None of points at corners
     """
 
     def __init__(self, law: FrictionLaw, multipliers: int, at: SurfacePositions) -> None:
@@ -77,6 +81,7 @@ class VaryingSliding(Sliding):
         self.past: list[tuple[Floats, Floats]] = []  # bounds found by rounds, and their change from the given bounds
         self.softness = 1.0
         self.fields: Mapping[str, Callable[[float], Any]] = {}
+        self.tractions: Tractions | None = None
 
     def of(self, slots: Ints | slice) -> Floats:
         """Return the bound (3, n) of some multipliers in the present step."""
@@ -88,11 +93,21 @@ class VaryingSliding(Sliding):
         self.remembered = dict(zip(self.law.memory, self.kept[len(self.kept) - len(self.law.memory) :], strict=True))
         remember(self.law, "start", self.law.start(), self.remembered)
         pair.memory.update(self.remembered)
+        if "traction" in self.law.needs:
+            pair.memory["traction"] = self._traction
         segments, size = pair.slave.segments, np.zeros(len(pair.slave.nodes))
         length = np.linalg.norm(np.diff(pair.at.slave[segments], axis=1)[:, 0], axis=1)
         np.add.at(size, segments, 0.5 * length[:, None])
         self.size = np.tile(size, pair.method.rows_per_node)
         self._take_positions(pair)
+
+    @property
+    def _traction(self) -> Floats:
+        return np.asarray(self.kept[len(KEPT) + 2 * ("position" in self.law.needs)])
+
+    def take_traction(self, pair: ContactPair, *step: float) -> None:
+        """Keep the traction at the end of a step; at corners, which have no one normal, that of the pressure."""
+        self._traction[:] = -self.kept[3] if self.tractions is None else self.tractions.values()[pair.own]
 
     def begin_step(self, pair: ContactPair, time: float, dt: float) -> None:
         """Compute the bound at the start of a step of `dt` [s] that ends at `time`; repeated calls agree."""
@@ -197,6 +212,8 @@ class VaryingSliding(Sliding):
             "pressure": self.kept[3].copy(), "slip_rate": slip_rate.copy(), "dt": self.dt, "time": self.time,
             "position": self.kept[len(KEPT) : len(KEPT) + 2].T.copy(), "cell_size": self.size.copy(),
         }  # fmt: skip
+        if "traction" in self.law.needs:
+            given["traction"] = self._traction.copy()
         given |= {name: value(self.time) for name, value in self.fields.items()}
         needed = {name: given[name] for name in self.law.needs}
         return needed | {name: values.copy() for name, values in self.remembered.items()}
@@ -204,7 +221,7 @@ class VaryingSliding(Sliding):
 
 def rows_of(law: FrictionLaw) -> int:
     """Return the number of state rows of a law that varies."""
-    return len(KEPT) + 2 * ("position" in law.needs) + len(law.memory)
+    return len(KEPT) + 2 * ("position" in law.needs) + ("traction" in law.needs) + len(law.memory)
 
 
 def sliding_of(law: FrictionLaw | None, multipliers: int, at: SurfacePositions) -> Sliding | None:
@@ -220,6 +237,13 @@ def varying(pairs: Sequence[ContactPair], state: State) -> list[tuple[ContactPai
     for pair, sliding in found:
         sliding.bind(state, pair)
     return found
+
+
+def taking_tractions(
+    varying: Sequence[tuple[ContactPair, VaryingSliding]],
+) -> tuple[Callable[[float, float], None], ...]:
+    """Return functions, called with the end and the length [s] of each accepted step, that keep tractions of laws."""
+    return tuple(partial(sliding.take_traction, pair) for pair, sliding in varying if "traction" in sliding.law.needs)
 
 
 def held_together(pair: ContactPair, flexibility: Floats, start: Floats) -> Flags:

@@ -212,7 +212,7 @@ def _effects(
 
 def _needs(model: Model, scene: Scene) -> None:
     """Fill the numbers that laws need by name from here on."""
-    pairs = () if model.contact is None else model.contact.pairs
+    pairs: Any = () if model.contact is None else model.contact.pairs
     needing = [f for f in model.forces if f.body.material.needs]
     passes = [(number, one) for number, pair in enumerate(pairs) for one in (pair, pair.points) if one is not None]
     sliding = [(number, one) for number, one in passes if one.sliding is not None and one.sliding.varies]
@@ -227,6 +227,10 @@ def _needs(model: Model, scene: Scene) -> None:
     for number, pair in sliding:
         points = np.tile(model.reference[pair.slave.nodes], (pair.rows_per_node, 1))
         fields.give(pair.sliding, points, f"contacts.{number}.friction")
+        if "traction" in pair.sliding.law.needs and not pair.at_corners:
+            from contactlab.model.contact.traction_behind import TractionBehind
+
+            pair.sliding.tractions = TractionBehind((pair,), model.forces, model.position, pair.own.stop)
     if pressing is not None:
         fields.give(pressing, pressing.points, "contacts.0.enforcement")
         store.begin()

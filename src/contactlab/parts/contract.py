@@ -147,15 +147,12 @@ def _memory_without_use(target: type) -> list[str]:
 
 def _unread(target: type) -> list[str]:
     """Needs or memory, tuples of names, that nothing reads from a part of this kind."""
-    found = [
+    return [
         f"its {name} is not read from a part of this kind; allowed: {_INSTEAD.get((base, name), 'none')}"
         for name in ("needs", "memory")
         for base in target.__mro__
         if base in _BASES and not hasattr(base, name) and isinstance(getattr(target, name, None), tuple)
     ]
-    if issubclass(target, FrictionLaw) and "traction" in target.needs:
-        found.append("its needs name traction; allowed: pressure, which is minus the normal traction of the surface")
-    return found
 
 
 _BASES = tuple(base for bases in BASES.values() for base in bases)

@@ -18,6 +18,7 @@ LENGTH = 0.5  # mm, length of the node
 COUNT = 24  # multipliers of one call of a law with needs
 UNITS: Mapping[str, str] = {
     "pressure": "MPa", "slip_rate": "mm/s", "dt": "s", "time": "s", "position": "mm", "cell_size": "mm",
+    "traction": "MPa",
 }  # fmt: skip
 STEPS = 10.0 ** np.arange(-12.0, 1.0)  # s, lengths of steps to try memory with
 CHANGES = 1e-9  # of a number that is remembered: changes far above its round-off
@@ -32,14 +33,15 @@ def limit(bound: Any, normal_force: float, measure: float = LENGTH) -> Any:
 
 
 def inputs_of(law: FrictionLaw) -> dict[str, Any]:
-    """Needs of the law for `COUNT` multipliers: pressures from 0 to 1 GPa, rates from 0 to 100 m/s both ways."""
+    """Needs of the law for `COUNT` multipliers: pressures and stresses to 1 GPa, rates from 0 to 100 m/s both ways."""
     place = np.arange(COUNT)
     rate = np.where(place > 0, 10.0 ** np.linspace(-3.0, 5.0, COUNT), 0.0) * np.where(place % 2, -1.0, 1.0)
     pressure = np.concatenate([[0.0], 10.0 ** np.linspace(-2.0, 3.0, COUNT - 1)])[(place * 7) % COUNT]
+    traction = np.concatenate([[0.0, 1.0, 100.0], -(10.0 ** np.linspace(-2.0, 3.0, COUNT - 3))])[(place * 5) % COUNT]
     position = np.stack([np.linspace(-3.0, 5.0, COUNT), np.linspace(1.0, -1.0, COUNT) ** 2], axis=1)
     known: dict[str, Any] = {
         "pressure": pressure, "slip_rate": rate, "dt": 1e-6, "time": 1e-3, "position": position,
-        "cell_size": np.linspace(0.1, 1.0, COUNT),
+        "cell_size": np.linspace(0.1, 1.0, COUNT), "traction": traction,
     }  # fmt: skip
     field = np.linspace(0.5, 1.5, COUNT)
     return {name: known.get(name, field) for name in law.needs}

@@ -184,14 +184,19 @@ class BodyForces:
 
     def current(self) -> Iterator[Block]:
         """Yield the blocks with gradient and stress of the last update, each valid until the next."""
-        for block, scratch in zip(self.blocks, self.scratch, strict=True):
-            if self.shares_gradient:
-                self.kernels.gradient(self.geometry, self.field, block.connectivity, block.gradient, scratch)
-                if self.body.material.kinematics == "rate":
-                    midpoint(block.gradient)
-            if self.shares_stress:
-                self.body.material.stress(block.gradient, block.history, self.dt, block.stress, block.history)
-            yield block
+        yield from map(self.renewed, range(len(self.blocks)))
+
+    def renewed(self, number: int) -> Block:
+        """Return a block with gradient and stress of the last update, valid until the next call."""
+        block = self.blocks[number]
+        if self.shares_gradient:
+            scratch = self.scratch[number]
+            self.kernels.gradient(self.geometry, self.field, block.connectivity, block.gradient, scratch)
+            if self.body.material.kinematics == "rate":
+                midpoint(block.gradient)
+        if self.shares_stress:
+            self.body.material.stress(block.gradient, block.history, self.dt, block.stress, block.history)
+        return block
 
     def stress(self) -> Floats:
         """Return Cauchy stress of the last update, (n, q, 4)."""

@@ -40,15 +40,8 @@ def refuse_integrator(integrator: Integrator, spec: Any, where: Where) -> None:
 
 
 def refuse_slave(plan: ContactPlan, bodies: tuple[Body, ...]) -> None:
-    """Raise an error for a slave with no stresses behind it, or no known derivative of them."""
-    found = list(edges_behind(plan.slave, bodies))
-    if sum(len(behind.edge) for behind in found) < len(plan.slave.edges):
-        raise SceneError(
-            "the enforcement needs the stress of the cells behind the slave, and the slave is rigid",
-            where=plan.where, got=plan.sides[0], allowed="a slave that belongs to a body",
-            hint="swap slave and master, or take another enforcement",
-        )  # fmt: skip
-    for behind in found:
+    """Raise PartError for a slave whose stresses have no known derivative."""
+    for behind in edges_behind(plan.slave, bodies):
         body = bodies[behind.body]
         if not follows_tables(body):
             raise PartError(
@@ -115,6 +108,7 @@ class TractionBehind:
 class _Strip:
     """Cells of one block behind one surface: f edges with p points, b nodes per edge, a per cell, q points per cell.
 
+    number    of the block in `forces`
     slot      (f, b) of the nodes along the edge
     nodes     (f, b) global numbers of these nodes
     cells     (f,) columns of the block's connectivity
@@ -124,7 +118,7 @@ class _Strip:
     """
 
     forces: BodyForces
-    block: Block
+    number: int
     position: Floats
     slot: Ints
     nodes: Ints
@@ -133,6 +127,11 @@ class _Strip:
     hat: Floats
     along: Floats
     gradients: Floats
+
+    @property
+    def block(self) -> Block:
+        """The block with the stress of the last update, valid until another block is asked for."""
+        return self.forces.renewed(self.number)
 
     def add_to(self, force: Floats, length: Floats) -> None:
         """Add normal force and length of each slot (k,)."""
@@ -177,7 +176,8 @@ class _Strip:
 
     def _stress_derivatives(self) -> Floats:
         """Return derivatives of stresses at edges by the nodes of cells, (2, 2, f, p, a, 2)."""
-        block, points = self.block, self.block.stress.shape[1]
+        block = self.block
+        points = block.stress.shape[1]
         tangent, modulus = np.zeros((4, 4, points)), np.zeros((4, 4, points))
         block.law.tangent(block.gradient, block.history, self.forces.dt, tangent)
         # without the stress, which brings the change of the geometry: this is known here
@@ -209,7 +209,7 @@ def _strips(pair: ContactPair, forces: tuple[BodyForces, ...], position: Floats)
         hat, along, continued = _tables(element)
         gradients = np.ascontiguousarray(element.shape(element.quadrature().points).gradient)
         local = np.array([_in_order(edge) for edge in element.edges])
-        for block in one.blocks:
+        for number, block in enumerate(one.blocks):
             count = block.connectivity.shape[1]
             own = np.flatnonzero((behind.cell >= first) & (behind.cell < first + count))
             cells, side = behind.cell[own] - first, behind.side[own]
@@ -224,7 +224,7 @@ def _strips(pair: ContactPair, forces: tuple[BodyForces, ...], position: Floats)
             places = np.where(turned[:, None], given[:, ::-1], given)
             for row in range(pair.rows_per_node):
                 slot = pair.first_slot + row * len(surface.nodes) + places
-                yield _Strip(one, block, position, slot, nodes, cells, continued[side], hat, along, gradients)
+                yield _Strip(one, number, position, slot, nodes, cells, continued[side], hat, along, gradients)
 
 
 def _in_order(edge: Sequence[int]) -> list[int]:

@@ -1,4 +1,4 @@
-"""Friction that follows the rate of slip: Stribeck's curve, and rate and state with ageing (Dieterich 1979)."""
+"""Friction that follows the motion: Stribeck's curve, rate and state with ageing (Dieterich 1979), and stress."""
 
 from dataclasses import dataclass
 
@@ -70,10 +70,30 @@ class RateAndState(FrictionLaw):
         return {"theta": theta * np.exp(-slid) + share * dt}
 
 
+@dataclass(frozen=True)
+class Bulk(FrictionLaw):
+    """A share of the compression in the cells behind the contact, up to a shear that they bear.
+
+    Neighbours share what single nodes press with: it is smooth where pressures of nodes are not.
+
+    mu     [-] share of the compression
+    shear  [MPa] largest shear
+    """
+
+    mu: float
+    shear: float
+    needs = ("traction",)
+
+    def bound(self, traction):
+        """The shear of each multiplier; `traction` is positive in tension."""
+        return FrictionBound(0.0, np.minimum(self.mu * np.maximum(-traction, 0.0), self.shear), np.inf)
+
+
 @hookimpl
 def contactlab_parts() -> list[Part]:
-    """Two friction laws."""
+    """Three friction laws."""
     return [
         Part("friction", "stribeck", f"{__name__}:Stribeck", "falls with the rate of slip"),
         Part("friction", "rate-and-state", f"{__name__}:RateAndState", "logarithms of rate and age of contacts"),
+        Part("friction", "bulk", f"{__name__}:Bulk", "a share of the stress behind the contact"),
     ]
