@@ -142,7 +142,14 @@ class TestResults:
         film = results.animate("displacement", stride=2)
         film._draw_was_started = True
         film._draw_frame(1)
-        assert film._fig.axes[0].collections
+        (axes, _) = film._fig.axes
+        drawn = len(axes.collections), len(axes.lines), len(axes.texts)
+        assert all(drawn), "bodies, marks of supports, and the arrow of the one that moves"
+        *_, last = film.new_frame_seq()
+        film._draw_frame(last)
+        assert (len(axes.collections), len(axes.lines), len(axes.texts)) == drawn, "nothing of a frame before is left"
+        assert axes.get_title("left") == f"disc-on-block, t = {results.history['time'][-1]:.4g} s", "the end is shown"
+        assert not axes.get_title("center"), "one title, whoever draws"
 
     def test_everything_is_drawn_into_the_axes_of_the_caller(self, results: Results) -> None:
         curve = results.contact["contacts.0"].last

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.animation import FuncAnimation
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import Collection, LineCollection, PolyCollection
 from matplotlib.colors import LinearSegmentedColormap
@@ -42,7 +43,7 @@ def field_figure(results: Results, name: str, frame: int, ax: Axes | None = None
         figure, axes = frame_of([_of_bodies(results, moment)], ax)
         shown = draw_field(axes, results, moment, values, limits_of([values]))
         colour_bar(figure, axes, shown, title_of(name, Units.of_label(results.layout.units)))
-        _conditions(axes, results, moment)
+        conditions_of(results)(axes, moment.position)
         label_places(axes, results.layout.units, f"{results.layout.title}, {when(results, moment)}")
     return figure
 
@@ -50,8 +51,8 @@ def field_figure(results: Results, name: str, frame: int, ax: Axes | None = None
 def field_animation(
     results: Results, name: str, stride: int, ax: Axes | None = None, flat: bool = False
 ) -> FuncAnimation:
-    """All stored frames, every `stride`th one, with the same colours and axes in all of them."""
-    moments = [moment_of(results, k) for k in range(0, len(results.frames), stride)] or [moment_of(results)]
+    """Every `stride`th stored frame and the last one, with the same colours and axes in all of them."""
+    moments = _moments(results, stride)
     with house_style():
         figure, axes = frame_of([_of_bodies(results, moment) for moment in moments], ax)
         draw = animated(axes, results, moments, name, flat, results.layout.title)
@@ -65,18 +66,21 @@ def animated(
     limits: Limits | None = None,
 ) -> Any:  # fmt: skip
     """Return a function that redraws the moment of a number and returns its artists, the coloured ones first."""
+    draw_supports_and_loads = conditions_of(results)
     values = [_values(results, moment, name, flat) for moment in moments]
     within = limits or limits_of(values)
-    before: list[Any] = []
+    before: list[Artist] = []
 
     def draw(number: int) -> list[Any]:
-        for artist in before:
-            artist.remove()
-        known = set(axes.collections)
-        moment = moments[min(number, len(moments) - 1)]
-        shown = draw_field(axes, results, moment, values[min(number, len(moments) - 1)], within)
-        before[:] = [artist for artist in axes.collections if artist not in known]
-        label_places(axes, results.layout.units, _wrapped(axes, f"{title}, {when(results, moment)}"))
+        with house_style():  # later frames are drawn by whoever saves or shows the animation
+            for artist in before:
+                artist.remove()
+            known = set(axes.get_children())
+            moment = moments[min(number, len(moments) - 1)]
+            shown = draw_field(axes, results, moment, values[min(number, len(moments) - 1)], within)
+            draw_supports_and_loads(axes, moment.position)
+            before[:] = [artist for artist in axes.get_children() if artist not in known]
+            label_places(axes, results.layout.units, _wrapped(axes, f"{title}, {when(results, moment)}"))
         return [shown, *(artist for artist in before if artist is not shown)]
 
     return draw
@@ -91,7 +95,7 @@ def fields_figure(runs: Mapping[str, Results], name: str, frame: int, flat: bool
         figure, places = _grid(runs, moments.values())
         for (title, results), axes in zip(runs.items(), places, strict=False):
             shown = draw_field(axes, results, moments[title], values[title], limits)
-            _conditions(axes, results, moments[title])
+            conditions_of(results)(axes, moments[title].position)
             label_places(axes, results.layout.units, _wrapped(axes, f"{title}, {when(results, moments[title])}"))
         units = Units.of_label(next(iter(runs.values())).layout.units)
         colour_bar(figure, places, shown, title_of(name, units))
@@ -100,7 +104,7 @@ def fields_figure(runs: Mapping[str, Results], name: str, frame: int, flat: bool
 
 def fields_animation(runs: Mapping[str, Results], name: str, stride: int, flat: bool = False) -> FuncAnimation:
     """Several runs side by side; a run with fewer frames stays at its last frame."""
-    moments = {title: [moment_of(r, k) for k in range(0, len(r.frames), stride)] for title, r in runs.items()}
+    moments = {title: _moments(results, stride) for title, results in runs.items()}
     ends = [_values(results, moments[title][-1], name, flat) for title, results in runs.items()]
     limits = limits_of(ends)
     with house_style():
@@ -117,6 +121,12 @@ def fields_animation(runs: Mapping[str, Results], name: str, stride: int, flat: 
         return [artist for draw in each for artist in draw(number)]
 
     return FuncAnimation(figure, all_of_them, frames=max(map(len, moments.values())), interval=PAUSE)
+
+
+def _moments(results: Results, stride: int) -> list[Moment]:
+    """Every `stride`th stored frame and the last one; the end of a run without frames."""
+    last = len(results.frames) - 1
+    return [moment_of(results, k) for k in (*range(0, last, stride), last)] if last >= 0 else [moment_of(results)]
 
 
 def _grid(runs: Mapping[str, Results], moments: Iterable[Moment]) -> tuple[Figure, list[Axes]]:
@@ -234,13 +244,13 @@ def _rigid_lines(results: Results, moment: Moment) -> Iterable[list[Floats]]:
             yield list(moment.position[contact.master_nodes][contact.master_segments])
 
 
-def _conditions(axes: Axes, results: Results, moment: Moment) -> None:
-    """Supports and loads, if the scene and its meshes can still be read."""
+def conditions_of(results: Results) -> Callable[[Axes, Floats], None]:
+    """Return what draws supports and loads at nodes (N, 2); nothing if the scene or a mesh can no longer be read."""
     try:
         scene, bodies = scene_of(results)
     except (ContactlabError, OSError, ValueError):
-        return
-    draw_conditions(axes, scene, bodies, moment.position)
+        return lambda axes, position: None
+    return lambda axes, position: draw_conditions(axes, scene, bodies, position)
 
 
 def colour_bar(figure: Figure, axes: Any, shown: Any, title: str) -> None:
