@@ -231,8 +231,10 @@ EVERYDAY = {
         ),
     ),
     "cite": Command(
-        "print what to cite for a run",
-        (_word("path", metavar="RUN", help="folder of a run or a comparison"), FILES, JSON),
+        "print what to cite for a run or a scene", (
+            _word("path", metavar="RUN-or-SCENE", help="folder of a run or a comparison; a scene's name or TOML file"),
+            _flag("--bibtex", text="print BibTeX entries for program, scene and parts"), FILES, JSON,
+        ),
     ),
 }  # fmt: skip
 AUTHORS = {

@@ -1,40 +1,42 @@
-"""`contactlab cite`: what to cite for a run or a comparison."""
+"""`contactlab cite`: what to cite for a run, a comparison or a scene."""
 
 from __future__ import annotations
 
 import argparse
 import json
 import tomllib
-from collections.abc import Iterable, Mapping
-from importlib.resources import files
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from contactlab.commands.common import console, print_json, registry_with
 from contactlab.errors import PartError, RequestError, one_line
-from contactlab.parts.provenance import LIBRARIES
+from contactlab.parts.provenance import LIBRARIES, parts_of, versions
 from contactlab.parts.registry import Registry
+from contactlab.reports.literature import bibtex, reference, works
 from contactlab.reports.sheet import Sheet
 from contactlab.scene.fields import kind_at
-from contactlab.scene.scene import Scene
+from contactlab.scene.scene import Scene, load_scene
 from contactlab.studies.find_reference import find_reference, matching_reference
 
 PROGRAM = "a laboratory for finite-element contact algorithms"
-FOLDERS = "the folder of a run or a comparison"
+ALLOWED = "the folder of a run or a comparison, a bundled scene, or a TOML file"
 
 
 def cite(options: argparse.Namespace) -> int:
     """Print program, scene, parts and reference with the citation of each."""
-    folder = Path(options.path)
-    cited = cited_in(folder, registry_with(options.files))
-    if options.json:
-        print_json({"format": 1, "folder": str(folder), **cited})
-        return 0
+    cited = cited_in(options.path, registry_with(options.files))
     out = console()
     say = out.say
+    if options.json:
+        print_json({"format": 1, "folder": options.path, **cited})
+        return 0
+    if options.bibtex:
+        print("\n\n".join(_entries(cited)))
+        return 0
     say(f"{cited['program']}\nscene {cited['scene']['name']}: {cited['scene']['source'] or 'names no source'}")
-    if reference := cited["reference"]:
-        say(f"reference {reference['name']}: {reference['title']}")
+    if known := cited["reference"]:
+        say(f"reference {known['name']}: {known['title']}")
     rows = ([part["name"], part["package"], part["cite"]] for part in cited["parts"])
     out.print(Sheet(("part", "package", "cite"), rows))
     for text in cited["literature"].values():
@@ -42,9 +44,23 @@ def cite(options: argparse.Namespace) -> int:
     return 0
 
 
-def cited_in(folder: Path, registry: Registry) -> dict[str, Any]:
-    """Return the citations for the folder of a run or comparison. Raises RequestError for any other."""
-    scene, used, versions, reference = _read(folder)
+def _entries(cited: Mapping[str, Any]) -> Iterator[str]:
+    """Entries for the program and all works, and a comment for each source that is no work with a full reference."""
+    name, _, version = cited["program"].partition(":")[0].partition(" ")
+    yield bibtex(name, {"author": "{contactlab developers}", "title": f"contactlab: {PROGRAM}", "version": version})
+    sources = {f"{part['name']} ({part['package']})": part["cite"] for part in cited["parts"]}
+    sources[f"scene {cited['scene']['name']}"] = cited["scene"]["source"]
+    found = works(sources.values())
+    yield from (bibtex(key, work) for key, work in found.items())
+    for what, source in sources.items():
+        for text in filter(None, map(str.strip, source.split(";"))):
+            if not works([text]):
+                yield f"% {what}: {text}"
+
+
+def cited_in(path: str, registry: Registry) -> dict[str, Any]:
+    """Return the citations for the folder of a run or comparison, or a scene. Raises RequestError for any other."""
+    scene, used, installed, named = _read(path, registry)
     parts: dict[str, dict[str, str]] = {}
     for key, text in used:
         name, _, package = text.removesuffix(")").partition(" (")
@@ -54,22 +70,17 @@ def cited_in(folder: Path, registry: Registry) -> dict[str, Any]:
         except PartError:
             source = ""
         parts.setdefault(f"{name} {package}", {"name": name, "package": package, "cite": source})
-    libraries = ", ".join(f"{name} {versions[name]}" for name in LIBRARIES[1:] if name in versions)
+    libraries = ", ".join(f"{name} {installed[name]}" for name in LIBRARIES[1:] if name in installed)
     own = str(scene.get("source", ""))
     return {
-        "program": f"contactlab {versions['contactlab']}: {PROGRAM} (with {libraries})",
+        "program": f"contactlab {installed['contactlab']}: {PROGRAM} (with {libraries})",
         "scene": {"name": scene["name"], "source": own},
         "parts": list(parts.values()),
-        "reference": _reference(reference, scene, registry),
-        "literature": literature([own, *(part["cite"] for part in parts.values())]),
+        "reference": _reference(named, scene, registry),
+        "literature": {
+            key: reference(work) for key, work in works([own, *(part["cite"] for part in parts.values())]).items()
+        },
     }
-
-
-def literature(texts: Iterable[str]) -> dict[str, str]:
-    """Full references of works that texts name by authors and year, in the order of their names."""
-    known = tomllib.loads(files("contactlab").joinpath("data/literature.toml").read_text(encoding="utf-8"))
-    named = [work.strip() for text in texts for work in text.split(";")]
-    return {key: full for key, full in sorted(known.items()) if any(work.startswith(key) for work in named)}
 
 
 def _reference(name: str | None, scene: Mapping[str, Any], registry: Registry) -> dict[str, str] | None:
@@ -81,10 +92,14 @@ def _reference(name: str | None, scene: Mapping[str, Any], registry: Registry) -
     return None if found is None else {"name": found.name, "title": found.title}
 
 
-def _read(folder: Path) -> tuple[dict[str, Any], list[tuple[str, str]], Mapping[str, str], str | None]:
+def _read(
+    path: str, registry: Registry
+) -> tuple[Mapping[str, Any], list[tuple[str, str]], Mapping[str, str], str | None]:
     """The scene as data, keys with the parts of all runs, versions, and the name of the reference."""
-    if not any((folder / name).is_file() for name in ("table.json", "summary.json")):
-        raise RequestError("no run has ended here", where="cite", got=str(folder), allowed=FOLDERS)
+    folder = Path(path)
+    if not folder.is_dir():
+        scene = load_scene(path, registry)
+        return scene.data, list(parts_of(scene, registry).items()), versions(scene, registry), None
     try:
         if (folder / "table.json").is_file():
             kept = json.loads((folder / "table.json").read_text(encoding="utf-8"))
@@ -92,9 +107,11 @@ def _read(folder: Path) -> tuple[dict[str, Any], list[tuple[str, str]], Mapping[
             used = [item for row in rows for item in row["parts"].items()]
             return tomllib.loads(kept["scene"]), used, rows[0], kept["study"].get("reference")
         kept = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-        scene = tomllib.loads((folder / "scene.toml").read_text(encoding="utf-8"))
-        return scene, list(kept["parts"].items()), kept["versions"], None
+        data = tomllib.loads((folder / "scene.toml").read_text(encoding="utf-8"))
+        return data, list(kept["parts"].items()), kept["versions"], None
+    except FileNotFoundError as error:
+        raise RequestError("no run has ended here", where="cite", got=path, allowed=ALLOWED) from error
     except (OSError, ValueError, LookupError, TypeError, AttributeError) as error:
         raise RequestError(
-            f"the summary of the run cannot be read: {one_line(error)}", where="cite", got=str(folder), allowed=FOLDERS
+            f"the summary of the run cannot be read: {one_line(error)}", where="cite", got=path, allowed=ALLOWED
         ) from error

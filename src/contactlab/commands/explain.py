@@ -132,6 +132,8 @@ def _lines(e: Explanation, spare: Sequence[str]) -> Iterator[tuple[str, str]]:
     yield "effects", ", ".join(f"{f.effect} ({together(f.by)})" for f in e.effects if f.called_for)
     yield "can be left out", ", ".join(spare) or "nothing: each effect is needed by another"
     yield "not declared", ", ".join(f.effect for f in e.effects if not f.called_for)
+    if e.missing:
+        yield "missing", "\n".join(e.missing)
     parts: dict[str, list[str]] = {}
     for used in e.parts:
         parts.setdefault(used.package, []).append(used.part)

@@ -77,10 +77,14 @@ class Overview:
 
 @dataclass(frozen=True)
 class Explanation:
-    """Sections in the order they are printed. `costs` are per step, in s; `price` is for the whole run."""
+    """Sections in the order they are printed. `costs` are per step, in s; `price` is for the whole run.
+
+    `missing`: what the trial run missed in the scene, as far as it came.
+    """
 
     scene: Overview
     effects: list[Effect]
+    missing: list[str]
     parts: list[UsedPart]
     calls: list[Call]
     costs: list[PartCost]
@@ -145,6 +149,7 @@ def explain(
     return Explanation(
         scene=overview,
         effects=effects_of(scene, registry, model),
+        missing=list(trial.begin.missing) if trial is not None and trial.begin is not None else [],
         parts=used_parts(scene, registry),
         calls=list(calls_of(model)),
         costs=list(trial.costs) if trial is not None else [],

@@ -67,6 +67,7 @@ class Begin(NamedTuple):
     once_s      of that, what is not proportional to steps: the first frame, and closing files [s]
     done        share of the loading that was done; 0 if no frame was reached
     memory_mib  largest memory of the process [MiB]
+    missing     warnings of effects that are missing, as far as the run came
     """
 
     status: str
@@ -77,6 +78,7 @@ class Begin(NamedTuple):
     once_s: float
     done: float
     memory_mib: float
+    missing: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -157,8 +159,10 @@ def _begin_of(scene: Scene, share: float, step_s: float) -> Begin:
 
     ended, memory = threading.Event(), peak_memory_mib()
     marks: list[tuple[float, float, float]] = []  # share done, steps, CPU time
+    detectors: list[Any] = []
 
     def begun(run: Any) -> None:
+        detectors.extend(run.monitor.early)
         limit = min(max(share * step_s * run.schedule.estimated_steps(), LEAST), MOST)
         threading.Thread(target=_stop_after, args=(limit, ended), daemon=True).start()
 
@@ -181,8 +185,9 @@ def _begin_of(scene: Scene, share: float, step_s: float) -> Begin:
         once = max(0.0, seconds - (marks[-1][2] - marks[0][2]) * summary["steps"] / (steps - marks[0][1]))
     whole = results.status == "finished" or done >= 1.0
     status = "finished" if whole else CUT if results.status == "interrupted" else results.status
+    missing = [warning.text for detector in detectors if (warning := detector.warning())]
     return Begin(status, results.reason, summary["steps"], summary.get("iterations", 0), seconds, once,
-                 1.0 if whole else done, memory)  # fmt: skip
+                 1.0 if whole else done, memory, missing)  # fmt: skip
 
 
 def _stop_after(limit: float, ended: threading.Event) -> None:

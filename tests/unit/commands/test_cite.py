@@ -10,8 +10,8 @@ from inline import runs_inline
 
 from contactlab import compare, load_scene, simulate
 from contactlab.cli import main
-from contactlab.commands.cite import literature
 from contactlab.parts.registry import default_registry
+from contactlab.reports.literature import works
 
 SHORT = {"time.end": 1e-8, "record.recorders": ["vtkhdf"]}
 HALLQUIST = "Hallquist, Goudreau & Benson 1985"
@@ -31,7 +31,7 @@ def test_a_run_names_scene_parts_and_works(tmp_path: Path, capsys: pytest.Captur
     parts = {part["name"]: part["cite"] for part in found["parts"]}  # type: ignore[attr-defined]
     assert parts["mortar-p0"] == "Baillet & Sassi 2005"
     assert parts["neo-hookean"] == "Bonet & Wood 2008, 6.4.3"
-    assert "Revue Europeenne" in found["literature"]["Baillet & Sassi 2005"]  # type: ignore[index]
+    assert "Revue Européenne" in found["literature"]["Baillet & Sassi 2005"]  # type: ignore[index]
 
 
 def test_a_comparison_names_the_parts_of_all_its_runs_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -52,15 +52,34 @@ def test_a_comparison_names_the_parts_of_all_its_runs_once(tmp_path: Path, capsy
 def test_every_source_of_a_shipped_part_is_known_in_full() -> None:
     """Each work that a part of the core or of a shipped plugin names by authors and year has its full reference."""
     offers = [offer for offer in default_registry().parts() if offer.origin.distribution.startswith("contactlab")]
-    works = {
+    named = {
         work.strip()
         for offer in offers
         if offer.part.kind not in ("case", "measure")
         for work in offer.part.reference.split(";")
         if work.strip()
     }
-    assert works
-    assert not [work for work in works if not literature([work])]
+    assert named
+    assert not [work for work in named if not works([work])]
+
+
+def test_a_scene_is_cited_in_bibtex(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Entries for program and works; a source that is no known work stays as a comment. No run is needed."""
+    bundled = load_scene("disc-on-block").to_toml()
+    (tmp_path / "own.toml").write_text(bundled.replace("Baillet & Sassi 2005, test 1", "Laboratory book 7"))
+    assert main(["cite", str(tmp_path / "own.toml"), "--bibtex"]) == 0
+    entries = capsys.readouterr().out.strip().split("\n\n")
+    assert entries[0].startswith("@software{contactlab,")
+    bonet = """@book{BonetWood2008,
+  author = {Bonet, J. and Wood, R. D.},
+  title = {{Nonlinear Continuum Mechanics for Finite Element Analysis}},
+  edition = {2nd},
+  publisher = {Cambridge University Press},
+  year = {2008},
+}"""
+    assert bonet in entries
+    assert any("pages = {287--304}," in entry for entry in entries)
+    assert entries[-1] == "% scene disc-on-block: Laboratory book 7"
 
 
 @pytest.mark.parametrize("content", ["", "{", '{"parts": 3}', "[]"])
@@ -70,4 +89,4 @@ def test_other_folders_are_refused(content: str, tmp_path: Path, capsys: pytest.
     assert main(["cite", str(tmp_path)]) == 2
     told = capsys.readouterr().err
     assert str(tmp_path) in told
-    assert "allowed  the folder of a run or a comparison" in told
+    assert "allowed  the folder of a run or a comparison, a bundled scene, or a TOML file" in told

@@ -51,6 +51,18 @@ def test_a_whole_run_costs_what_it_cost(scene: Scene) -> None:
     assert found.start_s == 0.75
 
 
+def test_what_the_trial_misses_is_said_before_the_run(own_cache: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Strains of half: with a law for small ones the run would warn, and `explain` says so beforehand."""
+    settings, missing = ["--set", "level=1", "--set", "integrator=newton", "--json"], {}
+    for law in ("neo-hookean", "linear-elastic"):
+        assert main(["explain", "disc-on-block", *settings, "--set", f"materials.soft.use={law}"]) == 0
+        missing[law] = json.loads(capsys.readouterr().out)["missing"]
+    assert missing["neo-hookean"] == []
+    (told,) = missing["linear-elastic"]
+    assert "body block: strains reach" in told
+    assert "its law is for small strains" in told
+
+
 def test_of_an_explicit_begin_steps_are_multiplied_and_the_rest_is_not(scene: Scene) -> None:
     steps = foreseen(scene).steps
     made = steps / 4.0
