@@ -65,7 +65,7 @@ def test_every_source_of_a_shipped_part_is_known_in_full() -> None:
 
 def test_a_scene_is_cited_in_bibtex(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Entries for program and works; a source that is no known work stays as a comment. No run is needed."""
-    bundled = load_scene("disc-on-block").to_toml()
+    bundled = load_scene("disc-on-block").toml()
     (tmp_path / "own.toml").write_text(bundled.replace("Baillet & Sassi 2005, test 1", "Laboratory book 7"))
     assert main(["cite", str(tmp_path / "own.toml"), "--bibtex"]) == 0
     entries = capsys.readouterr().out.strip().split("\n\n")
