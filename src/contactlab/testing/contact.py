@@ -81,6 +81,20 @@ def weights_are_the_derivative(algorithm: ContactMethod) -> None:
             agree((high - low) / (2.0 * step), weights[:, node, i], 1e-5, f"d(gap)/d(position {i} of node {node})")
 
 
+def closest_points_are_closest(algorithm: ContactMethod) -> None:
+    """Gaps of closest points change with the weights alone, on curved surfaces too: normals and feet do not count."""
+    if not getattr(algorithm, "closest_points", False):
+        raise NotApplicable("the algorithm does not declare closest_points")
+    at, step, rng = curved(), 1e-6, np.random.default_rng(2)
+    found = conditions(algorithm, at)
+    weights = dense(found, found.normal_weight, len(at.nodes))
+    for _ in range(4):
+        along = rng.uniform(-1.0, 1.0, at.nodes.shape)
+        high, low = (conditions(algorithm, at.moved(at.nodes + s * step * along)).gap for s in (1.0, -1.0))
+        # differences leave 1e-10, and gaps along another normal the tangent of the angle between both
+        agree((high - low) / (2.0 * step), (weights * along).sum(axis=(1, 2)), 1e-6, "gaps that change, and weights")
+
+
 def gap_is_positive_when_open(algorithm: ContactMethod) -> None:
     """The gap of parallel surfaces is their distance, negative when they overlap."""
     for lift in (0.05, -0.05):
@@ -274,6 +288,7 @@ CHECKS: tuple[Check, ...] = (
     moments_cancel_on_a_flat,
     weights_belong_to_the_gap,
     weights_are_the_derivative,
+    closest_points_are_closest,
     gap_is_positive_when_open,
     normals_point_to_the_slave,
     tangents_run_along_the_slave,

@@ -167,12 +167,17 @@ def prescribed_motion_is_exact(integrator: AnyIntegrator) -> None:
     """A prescribed degree of freedom is where it should be after every step, the others do not feel it."""
     held = Ramp(np.array([1, 2]), np.array([0.7, -0.3]))
     model = Oscillator(integrator, MASS, STIFFNESS, velocity=START, prescribed=held)
-    path = model.run(50, 0.02)
-    times = 0.02 * np.arange(1, 51)
+    lengths = np.where(np.arange(50) % 3, 0.02, 0.013)
+    path, times = _in_steps(model, lengths), np.cumsum(lengths)
     agree(path[:, 0, 1], 0.7 * times, 1e-13, "displacement of a prescribed degree of freedom")
     agree(path[:, 1, 0], -0.3 * times, 1e-13, "displacement of another")
-    free = Oscillator(integrator, MASS, STIFFNESS, velocity=START).run(50, 0.02)
+    free = _in_steps(Oscillator(integrator, MASS, STIFFNESS, velocity=START), lengths)
     agree(path[:, 2], free[:, 2], 1e-13, "displacement of a node that is not prescribed")
+
+
+def _in_steps(model: Oscillator, lengths: Floats) -> Floats:
+    """Displacements (steps, N, 2) after steps of these lengths [s]."""
+    return np.concatenate([model.run(1, float(dt)) for dt in lengths])
 
 
 def reaction_balances(integrator: AnyIntegrator) -> None:
