@@ -131,6 +131,12 @@ PLANTED: dict[str, tuple[Defect, ...]] = {
         ("adhesion beside mu", "coefficient=self.mu,", "coefficient=self.mu + self.adhesion,"),
         ("no checks", '            if not 0.0 <= getattr(self, name) < float("inf"):', "            if False:"),
     ),
+    "effect outside heated/src/heated/heated_laws.py:Draught": (
+        ("as hot everywhere", "heat(time)[nodes]", "0.7"),
+        ("lift is not used", "self.lift *", "100.0 *"),
+        ("heat as it was", "        def add", "        heat = heat(0.0)\n\n        def add", "heat(time)[nodes]", "heat[nodes]"),
+        ("overwrites", "force[nodes, 1] +=", "force[nodes, 1] ="),
+    ),
     "friction outside rate-friction/src/rate_friction/laws.py:Stribeck": (
         ("sign of the rate", "rate = np.abs(slip_rate)", "rate = slip_rate"),
         ("viscous is not used", " + self.viscous * rate", ""),
@@ -796,6 +802,7 @@ CATCHES: dict[str, tuple[str, str]] = {
     "effect.follows_the_state": ("template effect", "places of the start"),
     "effect.remembers_nothing": ("template effect", "counts its calls"),
     "effect.memory_counts": ("effect outside remembering/src/remembering/parts.py:Maxwell", "gives nothing back"),
+    "effect.needs_count": ("effect outside heated/src/heated/heated_laws.py:Draught", "as hot everywhere"),
     "effect.leaves_the_view_alone": ("template effect", "speeds of the view are changed"),
     "effect.times_are_declared": ("right pulse", "end of the pulse"),
     "effect.points_and_vectors_are_fields": ("template effect", "a point that it has not"),

@@ -20,6 +20,7 @@ from contactlab.testing.check_part import PartReport, check_part
 
 HERE = Path(__file__).parent
 RIGHT = sorted(path.stem for path in (HERE / "right_parts").glob("*.py"))
+HEATED = "outside heated/src/heated/heated_laws.py"
 QUICK = ("function", "mesh", "measure", "reference", "recorder", "case")
 """Kinds whose checks take a few hundredths of a second."""
 EVERY = 20  # of the defects of quick kinds in the default tier
@@ -47,7 +48,16 @@ def test_a_planted_defect_is_found(base: str, says: str, tmp_path: Path) -> None
     assert len(failed[0].reason) > 20, "a failure must say what is wrong"
 
 
-@pytest.mark.parametrize(("base", "says"), tier([(f"right {name}", "") for name in RIGHT]))
+OUTSIDE = sorted(
+    {base for base in PLANTED if " outside " in base}
+    | {f"enforcement {HEATED}:CuringLayer", f"friction {HEATED}:Softening"}
+)
+"""Parts of tests/outside."""
+
+
+@pytest.mark.parametrize(
+    ("base", "says"), tier([(base, "") for base in (*(f"right {name}" for name in RIGHT), *OUTSIDE)])
+)
 def test_a_right_part_is_not_refused(base: str, says: str, tmp_path: Path) -> None:
     report = checked(base, tmp_path)
     assert [(o.check, o.reason) for o in report.outcomes if o.status == "failed"] == []

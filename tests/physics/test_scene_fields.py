@@ -22,7 +22,9 @@ from contactlab.scene.scene import Scene
 LAWS = Path(__file__).parents[1] / "outside" / "heated" / "src" / "heated" / "heated_laws.py"
 REGISTRY = Registry(files=[LAWS])
 HEATED = {"use": "heated", "young": 1000.0, "poisson": 0.3, "expansion": 1e-5, "density": 1e-6}
+PLAIN = {"use": "linear-elastic", "young": 1000.0, "poisson": 0.3, "density": 1e-6}
 WARM = {"value": {"ramp": "linear", "to": 100.0}, "profile": {"by": "x", "table": [[0.0, 0.0], [2.0, 1.0]]}}
+DRAUGHT = {"use": "draught", "lift": 0.02, "on": ["b"]}
 INTEGRATORS = pytest.mark.parametrize("integrator", ["newton", "central-difference"])
 
 
@@ -66,6 +68,31 @@ def test_the_ledger_closes_where_heat_moves_supports_and_free_sides() -> None:
     assert results.summary["balance"]["ledger_error"] < 1e-9
 
 
+def test_an_effect_follows_the_temperature_of_its_places() -> None:
+    """Held by its bottom it hangs there with the lift at the mean temperature, as shares of nodes are exact for x."""
+    held = [{"on": "b.bottom", "ux": 0.0, "uy": 0.0}]
+    results = contactlab.simulate(bar("newton", supports=held, effects=[DRAUGHT]))
+    assert results.status == "finished", results.reason
+    assert results.summary["reactions"]["b.bottom"][1] == pytest.approx(-0.02 * 50.0, rel=1e-9)
+
+
+def test_an_effect_follows_the_temperature_of_its_time() -> None:
+    """Momentum of a free body whose lift grows with time, half a step back: off by (dt / 2 t)^2, 6e-6 here."""
+    end, steps = 1e-3, 200
+    model = build(bar("central-difference", supports=[], effects=[DRAUGHT], time={"end": end}), REGISTRY)
+    advance = model.bound_integrator().step
+    for _ in range(steps):
+        advance(1e-6)
+    time = (steps - 0.5) * 1e-6
+    found = float(model.mass @ model.state["velocity"][:, 1])
+    assert found == pytest.approx(0.02 * 50.0 / end * 0.5 * time**2, rel=1e-5)
+
+
+def test_an_effect_without_its_field_is_refused() -> None:
+    with pytest.raises(SceneError, match=r"effects\.0(.|\n)*temperature"):
+        build(bar("newton", effects=[DRAUGHT], materials={"m": PLAIN}, fields={}), REGISTRY)
+
+
 def advanced(scene: Scene, stop: int, disturb: bool) -> dict[str, Any]:
     """The state after six steps; resumed by new parts after `stop`, or with steps tried in vain on the way."""
     model = build(scene, REGISTRY)
@@ -88,7 +115,8 @@ def advanced(scene: Scene, stop: int, disturb: bool) -> dict[str, Any]:
 @INTEGRATORS
 @pytest.mark.parametrize("disturb", [False, True], ids=["restart", "rejection"])
 def test_fields_survive_a_restart_and_steps_that_are_taken_back(integrator: str, disturb: bool) -> None:
-    scene = bar(integrator, time={"end": 1.0} if integrator == "newton" else {"end": 1e-3})
+    time = {"end": 1.0} if integrator == "newton" else {"end": 1e-3}
+    scene = bar(integrator, time=time, effects=[DRAUGHT])
     whole, again = advanced(scene, -1, disturb), advanced(scene, 3, disturb)
     for name, values in whole.items():
         np.testing.assert_array_equal(again[name], values, err_msg=name)

@@ -26,6 +26,7 @@ class EffectView(NamedTuple):
     shares        nodes (k,) of bodies by name, or of edge sets, and their shares (k,) of the area, or of the length;
                   shares add up to 1
     factors       of a profile: (k,) [-] at the undeformed positions of nodes (k,)
+    fields        that the effect `needs`, by name: functions of time [s] that return values (N,) at the nodes
     """
 
     reference: Floats
@@ -36,6 +37,7 @@ class EffectView(NamedTuple):
     nodes: Callable[[str], Ints]
     shares: Callable[[Sequence[str]], tuple[Ints, Floats]]
     factors: Callable[[Profile, Ints], Floats] = _uniform
+    fields: Mapping[str, Callable[[float], Floats]] = {}
 
 
 class Effect(ABC):
@@ -44,6 +46,7 @@ class Effect(ABC):
     Their fields are the TOML keys; a ValueError that `bind` raises is reported at the effect's table. Implicit
     integrators find without help how forces change with the positions and velocities of the nodes they act on.
 
+    needs         names of fields of the scene (`[fields]`), such as "temperature", that are in the view
     memory        names of numbers remembered for each node, see `bind`; part of the state
     needs_mass    True if it needs masses in statics, too
     conservative  at any time its forces follow from positions alone, and do no work around a closed path
@@ -53,6 +56,7 @@ class Effect(ABC):
     vectors       names of fields that are vectors (x, y): they turn with the scene
     """
 
+    needs: ClassVar[tuple[str, ...]] = ()
     memory: ClassVar[tuple[str, ...]] = ()
     needs_mass: ClassVar[bool] = False
     conservative: ClassVar[bool] = False

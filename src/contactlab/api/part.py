@@ -37,6 +37,15 @@ NEW_IN_2: Final[Mapping[str, str]] = {
 }
 """Changes that parts of version 1 need, by kind."""
 
+MOVED_IN_2: Final[Mapping[str, str]] = {
+    **{f"contactlab.api.{name}": f"contactlab.api.compiled.{name}"
+       for name in ("bound_arrays", "kernel", "late", "unpack")},
+    **{f"contactlab.api.{name}": f"contactlab.api.drawing.{name}" for name in ("colours", "units")},
+    "contactlab.api.slopes": "contactlab.api.derivatives",
+    "ChainedRows": "FactoredRows", "ContactSlopes": "ContactDerivatives", "PieceSlopes": "PieceDerivatives",
+}  # fmt: skip
+"""Modules and names of version 1 that are called otherwise in version 2."""
+
 
 def what_to_change(kind: str, version: int) -> str:
     """Return advice on how to bring a part of a kind from `version` of the contract to this version."""

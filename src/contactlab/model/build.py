@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from contactlab.api import Effect
     from contactlab.model.bodies.frequency import Joints
     from contactlab.model.contact.systems import ContactPlan
+    from contactlab.model.loading.ramps import RampTime
     from contactlab.model.loading.rigid import RigidSurface
     from contactlab.parts.registry import Registry
     from contactlab.scene.keys import Body as SceneBody
@@ -90,7 +92,7 @@ def _built(scene: Scene, registry: Registry) -> Model:
         from contactlab.contact.work_split import split_work
 
         split_work(contact, integrator, state, reference, scene.where("record.contact_work"))
-    effects = _effects(made, scene, registry, bodies, rigid, reference, state, told)
+    effects = _effects(made, scene, registry, bodies, rigid, reference, state, told, timing.ramps)
     loads = _loads(scene, bodies, reference, position, timing.ramps, told)
     # the block calls of all bodies in order of execution
     calls = [call for body in forces for call in body.calls]
@@ -202,12 +204,14 @@ def _effects(
     reference: Floats,
     state: State,
     told: list[RunWarning],
+    ramps: RampTime,
 ) -> Any:
     if not made:
         return ()
     from contactlab.model.loading.effects import build_effects
 
-    return build_effects(made, scene, registry, bodies, reference, lambda: masses_of(bodies, rigid), state, told)
+    mass = partial(masses_of, bodies, rigid)
+    return build_effects(made, scene, registry, bodies, reference, mass, state, told, ramps)
 
 
 def _needs(model: Model, scene: Scene) -> None:

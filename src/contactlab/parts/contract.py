@@ -147,17 +147,40 @@ def _memory_without_use(target: type) -> list[str]:
 
 def _unread(target: type) -> list[str]:
     """Needs or memory, tuples of names, that nothing reads from a part of this kind."""
-    return [
+    found = [
         f"its {name} is not read from a part of this kind; allowed: {_INSTEAD.get((base, name), 'none')}"
         for name in ("needs", "memory")
         for base in target.__mro__
         if base in _BASES and not hasattr(base, name) and isinstance(getattr(target, name, None), tuple)
     ]
+    refused = next((names for base, names in _REFUSED.items() if issubclass(target, base)), {})
+    needs = getattr(target, "needs", ()) if refused else ()
+    return found + [
+        f"its needs name {name}; allowed: other names; {refused[name]}" for name in needs if name in refused
+    ]
 
 
 _BASES = tuple(base for bases in BASES.values() for base in bases)
+_REFUSED: dict[type, dict[str, str]] = {
+    Effect: {
+        **dict.fromkeys(("time", "dt"), "the function of bind is called with it"),
+        **dict.fromkeys(("position", "cell_size"), "the view has positions, and shares of nodes"),
+        **dict.fromkeys(("pressure", "slip_rate", "traction"), "contact answers forces of effects in the same step"),
+    },
+    Material: {
+        "dt": "it is always given",
+        **dict.fromkeys(("pressure", "traction"), "the law itself gives the stress"),
+        "slip_rate": "surfaces slip, not the points of a body",
+    },
+}  # fmt: skip
+"""Names that are no field of a scene, and that parts of a kind have otherwise or cannot have."""
+_LAWS = ", and what its methods are given; friction and pressure laws may need more"
 _INSTEAD: dict[tuple[type, str], str] = {
-    (Effect, "needs"): "what the view has: positions, velocities, masses, shares, factors of profiles",
+    (ExplicitEnforcement, "needs"): "what rows have" + _LAWS,
+    (ImplicitEnforcement, "needs"): "what conditions have" + _LAWS,
+    (ContactAlgorithm, "needs"): "the view" + _LAWS, (GapAlgorithm, "needs"): "the view" + _LAWS,
+    (Potential, "needs"): "positions" + _LAWS,
+    (Element, "needs"): "what its methods are given; materials and effects may need more",
     (Material, "memory"): "history_names and history_size",
     (ContactAlgorithm, "memory"): "memory_size", (GapAlgorithm, "memory"): "memory_size",
 }  # fmt: skip

@@ -19,6 +19,7 @@ from typing import Any
 
 import pluggy
 
+from contactlab.api.part import MOVED_IN_2
 from contactlab.errors import MISSPELT, PartError, RequestError, did_you_mean, one_line
 from contactlab.parts import hookspecs
 
@@ -121,7 +122,7 @@ def load(origin: Origin, importer: Callable[[], Any]) -> Plugin | Broken:
         with redirect_stdout(printed):
             module = importer()
     except (Exception, SystemExit) as error:
-        return Broken(origin, f"its import failed: {one_line(error)}")
+        return Broken(origin, f"its import failed: {one_line(error)}{_moved(error)}")
     burdens = _burdens(time.process_time() - cpu, time.perf_counter() - clock, printed.getvalue())
     try:
         hooks = _register(module)
@@ -222,7 +223,9 @@ def file_module(path: Path) -> ModuleType:
         specification.loader.exec_module(module)
     except (Exception, SystemExit) as error:
         del sys.modules[path.stem]
-        raise PartError(f"its import failed: {one_line(error)}{_line(error, path)}", where=where) from error
+        raise PartError(
+            f"its import failed: {one_line(error)}{_line(error, path)}{_moved(error)}", where=where
+        ) from error
     return module
 
 
@@ -236,6 +239,15 @@ def _refuse_taken(path: Path) -> None:
         raise PartError(
             "another module has this name", where=str(path), got=f"name used by {place}", hint="rename the file"
         )
+
+
+def _moved(error: BaseException) -> str:
+    """Return where a module or name of version 1 of the contract is now; empty for other errors."""
+    if not isinstance(error, ImportError):
+        return ""
+    name = re.search(r"cannot import name '(\w+)'", str(error))
+    old = name[1] if name else error.name or ""
+    return f"; in version 2 of the contract it is {MOVED_IN_2[old]}" if old in MOVED_IN_2 else ""
 
 
 def _line(error: BaseException, path: Path) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -45,9 +46,11 @@ class Scenery:
 
         return cls(EffectView(reference, mass, *state, ("upper", "lower"), _nodes, _shares, factors))
 
-    def forces(self, effect: Effect, times: tuple[float, ...] = TIMES, since: float = SINCE) -> list[Floats]:
-        """Nodal forces at the times, one after another, from one binding."""
-        add, found = added(effect, self.view, since), []
+    def forces(
+        self, effect: Effect, times: tuple[float, ...] = TIMES, since: float = SINCE, more: str = ""
+    ) -> list[Floats]:
+        """Nodal forces at the times, one after another, from one binding; `more` is a field that grows."""
+        add, found = added(effect, self.view, since, more), []
         for time in times:
             force = np.zeros_like(self.view.reference)
             add(time, force)
@@ -55,13 +58,24 @@ class Scenery:
         return found
 
 
-def added(effect: Effect, view: EffectView, since: float = SINCE) -> Callable[[float, Floats], Any]:
+def added(effect: Effect, view: EffectView, since: float = SINCE, more: str = "") -> Callable[[float, Floats], Any]:
     """Return the function that adds forces; with memory it acts `since` [s] after the memory of the start."""
-    add = effect.bind(view)
+    add = bound(effect, view, more)
     if not effect.memory:
         return add
     memory = memory_of(effect, view)
     return lambda time, force: add(time, force, since, memory)
+
+
+def bound(effect: Effect, view: EffectView, more: str = "") -> Callable[..., Any]:
+    """Return what `bind` returns, with values at nodes of the fields that the effect needs; `more` grows with time."""
+    values, growing = np.linspace(0.5, 1.0, len(view.reference)), {name: float(name == more) for name in effect.needs}
+    fields = {name: partial(_grown, values, rate) for name, rate in growing.items()}
+    return effect.bind(view._replace(fields=fields))
+
+
+def _grown(values: Floats, rate: float, time: float) -> Floats:
+    return values * (1.0 + rate * time)
 
 
 def memory_of(effect: Effect, view: EffectView) -> dict[str, Floats]:
@@ -134,7 +148,7 @@ def memory_counts(effect: Effect) -> None:
     if not effect.memory:
         raise NotApplicable("it declares no memory")
     view = Scenery.moving(15).view
-    add, start = effect.bind(view), memory_of(effect, view)
+    add, start = bound(effect, view), memory_of(effect, view)
     force, later = np.zeros_like(view.reference), np.zeros_like(view.reference)
     with untouched(**start):
         found = add(0.3, force, SINCE, start)
@@ -172,6 +186,16 @@ def numbers_count(effect: Effect) -> None:
             wave = dataclasses.replace(effect, profile=Profile(by="x", cosine=(1.0, 0.5, 1.7)))  # type: ignore[type-var]
             same = all(map(np.array_equal, observe(effect), observe(wave)))
             require(not same, "the field profile never changes a force")
+
+
+def needs_count(effect: Effect) -> None:
+    """Forces follow every field of the scene that the effect declares in `needs`, as it is at their time."""
+    if not effect.needs:
+        raise NotApplicable("it declares no needs")
+    scenery, times = Scenery.moving(7), _times(effect)
+    for name in effect.needs:
+        forces = (scenery.forces(effect, times, more=more) for more in ("", name))
+        require(not all(map(np.array_equal, *forces)), f"it declares {name}, but no force depends on it")
 
 
 def units_do_not_matter_to_it(effect: Effect) -> None:
@@ -290,6 +314,7 @@ CHECKS: tuple[Check, ...] = (
     power_is_declared,
     resultants_are_declared,
     numbers_count,
+    needs_count,
     units_do_not_matter_to_it,
     masses_are_asked_for,
     adds_to_what_is_there,

@@ -131,6 +131,11 @@ def _nothing(target: str, kind: str, registry: Registry, offers: Sequence[Offer]
             "no parts in this folder", where="check", got=target,
             allowed="a package with pyproject.toml, or Python files with hooks",
         )  # fmt: skip
+    if Path(target).is_file():
+        return RequestError(
+            "no parts in this file", where="check", got=target,
+            allowed="a Python file whose hook contactlab_parts names parts",
+        )  # fmt: skip
     names = sorted({o.part.name for o in registry.parts()} | {o.origin.distribution for o in registry.parts()})
     return RequestError(
         "no part, file, folder or distribution of this name", where="check", got=target,

@@ -22,6 +22,7 @@ from contactlab.scene.reading import refused_later
 if TYPE_CHECKING:
     from contactlab.errors import Where
     from contactlab.model.loading.loads import Load
+    from contactlab.model.loading.ramps import RampTime
     from contactlab.parts.registry import Registry
     from contactlab.scene.scene import Scene
 
@@ -35,6 +36,7 @@ def build_effects(
     masses: Callable[[], Floats],
     state: State,
     told: list[RunWarning],
+    ramps: RampTime,
 ) -> tuple[Load, ...]:
     """Return a call for each of the scene's effects; `masses` makes the nodal masses, optional in statics."""
     mass = masses() if "velocity" in state or any(effect.needs_mass for effect in made) else np.zeros(0)
@@ -48,7 +50,8 @@ def build_effects(
         nodes = partial(nodes_of, bodies, where=below(where, "on"))
         shares = partial(shares_of, bodies, reference, where=below(where, "on"))
         factors = partial(_factors, bodies, reference, registry, below(where, "profile"), told)
-        view = EffectView(reference, mass, displacement, velocity, names, nodes, shares, factors)
+        fields = _fields(effect, scene, ramps, reference, f"effects.{number}") if effect.needs else {}
+        view = EffectView(reference, mass, displacement, velocity, names, nodes, shares, factors, fields)
         try:
             add = effect.bind(view)
         except ValueError as problem:
@@ -57,6 +60,13 @@ def build_effects(
             add = RememberingEffect(effect, add, state, f"effects.{number}")
         loads.append(add)
     return tuple(loads)
+
+
+def _fields(effect: Effect, scene: Scene, ramps: RampTime, reference: Floats, key: str) -> dict[str, Any]:
+    from contactlab.model.loading.scene_fields import SceneFields
+
+    fields = SceneFields(scene, ramps)
+    return {name: fields.at(name, reference, key) for name in effect.needs}
 
 
 def _factors(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
-from contactlab.api import Floats, FrictionLaw, Ints, NormalLaw
+from contactlab.api import Floats, FrictionLaw, Ints, Material, NormalLaw
 from contactlab.api.friction import FrictionNeed
 from contactlab.api.material import MaterialNeed
 from contactlab.api.normal_law import NormalNeed
@@ -24,12 +24,14 @@ InTime = Callable[[float], Floats | float]
 """Values at some points at a time [s]."""
 
 
-def fields_needed(law: Any) -> list[str]:
-    """Return names in the `needs` of a law or material (class or instance) that are fields of the scene."""
-    kind = law if isinstance(law, type) else type(law)
-    kinds = {FrictionLaw: FrictionNeed, NormalLaw: NormalNeed}
-    known = get_args(next((needs for law, needs in kinds.items() if issubclass(kind, law)), MaterialNeed))
-    return [name for name in law.needs if name not in known]
+_NEEDS = {FrictionLaw: FrictionNeed, NormalLaw: NormalNeed, Material: MaterialNeed}
+
+
+def fields_needed(part: Any) -> list[str]:
+    """Return names in the `needs` of a law, material or effect (class or instance) that are fields of the scene."""
+    kind = part if isinstance(part, type) else type(part)
+    known = get_args(next((needs for base, needs in _NEEDS.items() if issubclass(kind, base)), None))
+    return [name for name in part.needs if name not in known]
 
 
 class SceneFields:
@@ -43,8 +45,9 @@ class SceneFields:
         scene, fields = self.scene, self.scene.fields
         if name not in fields:
             raise SceneError(
-                "this law needs a field that the scene does not have", where=scene.where(key), got=name,
-                allowed=", ".join(fields) or "none", hint=f"write [fields.{name}] with a value",
+                "this part needs a field that the scene does not have", where=scene.where(key), got=name,
+                allowed=", ".join(fields) or "none",
+                hint=f"write [fields.{name}] with a value",
             )  # fmt: skip
         spec, registry = fields[name], scene.registry
         course = course_of(spec.value, registry, scene.where(f"fields.{name}.value"))

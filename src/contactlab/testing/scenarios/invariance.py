@@ -18,7 +18,7 @@ from contactlab.model.memory import model_memory, restore_model
 from contactlab.parts.registry import Registry
 from contactlab.scene.scene import Scene
 from contactlab.testing.assertions import Expected, NotApplicable, identical, require
-from contactlab.testing.scenarios.runs import Answers, Mode, half_passes, modes_of, plain, pressed, run, same
+from contactlab.testing.scenarios.runs import Answers, Mode, half_passes, modes_of, needs_of, plain, pressed, run, same
 from contactlab.testing.subject import Subject
 from contactlab.testing.units import in_other_units
 
@@ -140,7 +140,7 @@ def the_frame_does_not_matter(subject: Subject) -> None:
 
 
 def _without_places(subject: Subject) -> None:
-    if subject.kind in ("friction", "material") and "position" in subject.part_class.needs:
+    if "position" in needs_of(subject):
         raise NotApplicable("assumes that the law moves with the scene: it needs the position")
 
 

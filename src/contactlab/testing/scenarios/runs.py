@@ -74,11 +74,14 @@ def pressed(subject: Subject, mode: Mode, changes: Mapping[str, Any] | None = No
         raise NotApplicable(f"the scene needs parts that are not installed: {error.problem} ({error.got})") from error
 
 
+def needs_of(subject: Subject) -> tuple[str, ...]:
+    """Return names of what the part needs; those of an integrator are a class."""
+    return () if subject.kind == "integrator" else getattr(subject.part_class, "needs", ())
+
+
 def _fields(subject: Subject) -> dict[str, Any]:
     """Fields of the scene that the part needs, which rise with time."""
-    if subject.kind not in ("friction", "material"):
-        return {}
-    needed = fields_needed(subject.part_class)
+    needed = fields_needed(subject.part_class) if needs_of(subject) else ()
     return {"fields": {name: {"value": {"ramp": "linear", "to": FIELD}} for name in needed}} if needed else {}
 
 

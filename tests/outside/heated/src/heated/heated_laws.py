@@ -1,9 +1,9 @@
-"""Laws that follow a field of the scene, its temperature: thermal strain, friction that falls, a layer that hardens."""
+"""Parts that follow the temperature of a scene: thermal strain, friction, a layer that hardens, a draught."""
 
 from dataclasses import dataclass
 from typing import ClassVar
 
-from contactlab.api import UNIT, FrictionBound, FrictionLaw, Material, NormalLaw, formula
+from contactlab.api import UNIT, Effect, FrictionBound, FrictionLaw, Material, NormalLaw, formula
 from contactlab.api.plugin import Part, hookimpl
 
 
@@ -66,11 +66,36 @@ class CuringLayer(NormalLaw):
         return max(0.0, -p.rate * temperature * position.x * time * gap)
 
 
+@dataclass(frozen=True)
+class Draught(Effect):
+    """Lifts bodies by a force that is proportional to the temperature of their places.
+
+    lift  [N/K] force on all of a body at a temperature of 1 K
+    on    bodies or edge sets
+    """
+
+    lift: float
+    on: tuple[str, ...]
+    needs: ClassVar[tuple[str, ...]] = ("temperature",)
+    conservative: ClassVar[bool] = True
+
+    def bind(self, view):
+        """Return a function that adds the forces at a time."""
+        nodes, shares = view.shares(self.on)
+        heat = view.fields["temperature"]
+
+        def add(time, force):
+            force[nodes, 1] += self.lift * shares * heat(time)[nodes]
+
+        return add
+
+
 @hookimpl
 def contactlab_parts() -> list[Part]:
-    """A material, a friction law and a pressure law."""
+    """A material, a friction law, a pressure law and an effect."""
     return [
         Part("material", "heated", f"{__name__}:Heated", "linear elasticity with thermal strain"),
         Part("friction", "softening", f"{__name__}:Softening", "Coulomb, less with the temperature"),
         Part("enforcement", "curing-layer", f"{__name__}:CuringLayer", "as stiff as it is hot, thick and old"),
+        Part("effect", "draught", f"{__name__}:Draught", "lifts what is hot"),
     ]
