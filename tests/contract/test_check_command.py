@@ -284,3 +284,12 @@ def test_formulas_run_as_plain_python_and_lines_that_did_not_are_named(
     assert "3 of 4" in said
     assert main(["check", "coulomb", "--python"]) == 2
     assert "none of these parts has formulas" in capsys.readouterr().err
+
+
+def test_a_file_without_parts_is_called_that(tmp_path: Path) -> None:
+    path = tmp_path / "nothing_here.py"
+    path.write_text(
+        "from contactlab.api.plugin import hookimpl\n\n\n@hookimpl\ndef contactlab_parts():\n    return []\n"
+    )
+    with pytest.raises(RequestError, match="no parts in this file"):
+        subjects(str(path))

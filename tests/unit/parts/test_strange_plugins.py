@@ -146,3 +146,20 @@ def test_the_scene_of_a_stored_run_names_the_distribution_that_is_missing(tmp_pa
         with pytest.raises(PartError) as told:
             load_scene(scene, changes=changes)
         assert "the run had it from away-contact 1.2: install that" in str(told.value)
+
+
+@pytest.mark.parametrize(
+    ("line", "now"),
+    [
+        ("from contactlab.api.late import late", "contactlab.api.compiled.late"),
+        ("from contactlab.api import PieceSlopes", "PieceDerivatives"),
+    ],
+)
+def test_what_has_moved_since_version_1_is_named(line: str, now: str, install: Install, tmp_path: Path) -> None:
+    install("older", f"{line}\n")
+    (reason,) = reasons(Registry(), "older")
+    assert reason.endswith(f"; in version 2 of the contract it is {now}")
+    file = tmp_path / "older_file.py"
+    file.write_text(f"{line}\n")
+    with pytest.raises(PartError, match=f"it is {now}"):
+        Registry(files=[file]).parts()
