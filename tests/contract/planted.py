@@ -624,7 +624,7 @@ NOT_CAUGHT: dict[tuple[str, str], str] = {
     ("template effect", "undeformed places"): "dead loads",
     ("template contact/rows", "another is preferred"): "either of two that are as near is right",
     ("right normal_points", "normal of the master below"): "another right foot: the closest point",
-    ("right lines", "kept by the class"): "missed: later runs leave other numbers in files as long",
+    ("right lines", "kept by the class"): "missed: a second process alone tells kept numbers from time stamps, and libraries forbid copies of one (fork)",
     ("right power_pressure", "before contact not declared"): "begins() says it as well",
     ("right pulse", "direction not declared"): "a promise that is not made",
 }
