@@ -12,6 +12,7 @@ from contactlab.errors import show
 from contactlab.scene.accepts import accepts
 from contactlab.scene.fields import hints_of, is_required, keys_of
 
+_AFTER_NAMES = r"\s{2,}|\s(?=\[)"
 _UNIT = re.compile(r"\[([^\[\]]+)\]")
 
 
@@ -91,11 +92,11 @@ def _meanings(cls: type[Any]) -> Iterator[tuple[str, str]]:
                 continue
             yield from ((name, " ".join(text)) for name in names)
             names = _field_names(line, cls)
-            text = [re.split(r"\s{2,}", line, maxsplit=1)[1].strip()] if names else []
+            text = [re.split(_AFTER_NAMES, line, maxsplit=1)[1].strip()] if names else []
 
 
 def _field_names(line: str, cls: type[Any]) -> list[str]:
-    """The fields that a line of a docstring describes: their names, two blanks, the meaning."""
-    head = re.match(r"(?P<names>\w+(?:(?:, | and )\w+)*)\s{2,}\S", line)
+    """The fields that a line of a docstring describes: their names, two blanks or one and a bracket, the meaning."""
+    head = re.match(rf"(?P<names>\w+(?:(?:, | and )\w+)*)(?:{_AFTER_NAMES})\S", line)
     names = re.split(r", | and ", head["names"]) if head else []
     return names if names and all(name in keys_of(cls) for name in names) else []

@@ -38,7 +38,7 @@ class Derived(Base):
     in two lines.
 
     slow   whether it takes its time
-    y      [mm/s], another meaning
+    y [mm/s], another meaning
 
     Last words.
     """

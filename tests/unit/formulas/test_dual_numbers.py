@@ -163,6 +163,15 @@ def test_members_that_exist_stand_beside_an_unknown_one() -> None:
         made(of_duals, "test.unknown_member", {FORMULA: formula(unknown_member)})(np.ones(2), np.empty(5))
 
 
+def misspelt(x: Any, y: Any) -> Any:
+    return sqroot(x) + y  # type: ignore[name-defined]  # noqa: F821
+
+
+def test_a_name_that_is_nowhere_is_named_with_its_formula() -> None:
+    with pytest.raises(FormulaError, match="misspelt: NameError: name 'sqroot' is not defined"):
+        made(of_duals, "test.misspelt", {FORMULA: formula(misspelt)})(np.ones(2), np.empty(5))
+
+
 @pytest.mark.parametrize("kind", [Vector, SlaveSegment, SlavePoint, MasterSegment, Overlap, Covered])
 def test_the_page_of_contact_names_all_that_its_formulas_see(kind: type[Any]) -> None:
     page = (Path(__file__).parents[3] / "docs" / "parts" / "contact.md").read_text()

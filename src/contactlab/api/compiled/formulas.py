@@ -268,8 +268,9 @@ def _told(error: Any) -> str:
     called = [line[4:] for line in lines if line.startswith(">>> ")]
     if called and reason.startswith("No implementation"):
         reason = f"no such function: {called[-1]}"
-    if not own:
-        return f"a formula cannot be compiled: {reason}\n  try      {_HINT}"
+    if not own or reason.startswith("NameError"):  # which has no line
+        formula = _INLINED.search(str(error))
+        return f"a formula cannot be compiled: {f'{formula[1]}: ' if formula else ''}{reason}\n  try      {_HINT}"
     return _refusal(*own[-1], reason)
 
 
@@ -280,8 +281,9 @@ def _is_own(file: str) -> bool:
 
 _PLACE = re.compile(r'File "([^"]+)", line (\d+)|at (\S+\.py) \((\d+)\)')
 _SAYS = re.compile(
-    r"No implementation|Unknown attribute|Untyped global|Use of|Cannot|Unsupported|Invalid|.*no attribute"
+    r"NameError|No implementation|Unknown attribute|Untyped global|Use of|Cannot|Unsupported|Invalid|.*no attribute"
 )
+_INLINED = re.compile(r"Inlined\(<function (\S+)")  # the innermost comes first
 _UNKNOWN = re.compile(r"Unknown attribute '(\w+)' of type (\w+)")
 _ALLOWED = (
     "numbers, tuples of them, + - * / **, comparisons, min, max, abs, the functions of math, if, for, while, other "
