@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from math import isfinite, nan
-
 from contactlab.reports.sheet import Cell, Column, Sheet
 from contactlab.verdicts.run import Matrix
 
@@ -18,14 +16,8 @@ def matrix_sheet(matrix: Matrix) -> Sheet:
     lines: dict[tuple[str, ...], dict[str, Cell]] = {}
     for cell, result in matrix.worst_first:
         place = lines.setdefault(tuple(cell.choices[name] for name in KEYS), {})
-        # the verdict and the value of the first measure that has it, errors before others
-        same = [m for m in result.measures if m["verdict"] == result.verdict and isfinite(m["value"] or nan)]
-        first = min(same, key=lambda m: m["role"] != "error", default=None)
         word = SHORT.get(result.verdict, result.verdict)
-        place[cell.choices["contact"]] = Cell(
-            word if first is None else f"{word} {first['value']:.2g} {first['unit']}".strip(),
-            kind=result.verdict,
-            hint=result.reason,
-        )
+        text = f"{word} {result.number}".strip()
+        place[cell.choices["contact"]] = Cell(text, kind=result.verdict, hint=result.reason)
     heads = [Column(name, keep=name not in KEYS[1:], leads=name in KEYS) for name in (*KEYS, *contacts)]
     return Sheet(heads, ([*key, *(cells.get(name, "") for name in contacts)] for key, cells in lines.items()))

@@ -6,6 +6,7 @@ import hashlib
 import traceback
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass, field
+from math import isfinite, nan
 from typing import Any
 
 from contactlab.api import Job, Measure
@@ -36,6 +37,13 @@ class CellResult:
     cpu_s: float = 0.0
     machine: str = field(default_factory=machine)
     whole: bool = True
+
+    @property
+    def number(self) -> str:
+        """Value and unit of the first measure with the verdict of the cell, errors first; empty without one."""
+        same = [m for m in self.measures if m["verdict"] == self.verdict and isfinite(m["value"] or nan)]
+        first = min(same, key=lambda m: m["role"] != "error", default=None)
+        return "" if first is None else f"{first['value']:.2g} {first['unit']}".strip()
 
     def as_data(self) -> dict[str, Any]:
         """Columns of a table: without the machine."""

@@ -114,13 +114,12 @@ MEANINGS = {
 
 def write_page(matrix: Matrix, folder: Path) -> None:
     """Write the page of a matrix as one self-contained HTML file."""
+    numbered = zip(plain_cells(matrix), matrix.worst_first, strict=True)
+    cells = [{**cell, "number": result.number} for cell, (_, result) in numbered]
     data = json.dumps(
-        {
-            "cells": plain_cells(matrix), "colours": COLOURS, "meanings": MEANINGS, "order": WORST,
-            "orders": orders(matrix),
-        },
+        {"cells": cells, "colours": COLOURS, "meanings": MEANINGS, "order": WORST, "orders": orders(matrix)},
         allow_nan=False,
-    )  # fmt: skip
+    )
     place = files("contactlab") / "data" / "report"
     style = (place / "page.css").read_text(encoding="utf-8")
     page = (place / "matrix.html").read_text(encoding="utf-8")
