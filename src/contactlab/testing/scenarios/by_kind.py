@@ -8,7 +8,7 @@ from contactlab.testing.assertions import NotApplicable, require
 from contactlab.testing.scenarios import Scenario, case, contact
 from contactlab.testing.scenarios.cases import Question, answer, found_of
 from contactlab.testing.scenarios.contact import LADDER
-from contactlab.testing.scenarios.invariance import INVARIANCE, comes_to_its_end
+from contactlab.testing.scenarios.invariance import INVARIANCE, comes_to_its_end, slip_and_strain_turn_back
 from contactlab.testing.subject import Subject
 
 BARS = Question("two-bars")
@@ -31,7 +31,7 @@ def bars_exchange_their_momentum(subject: Subject) -> None:
             require(judged.verdict == "met", said)
 
 
-INTEGRATOR = (bars_exchange_their_momentum,)
+INTEGRATOR = (bars_exchange_their_momentum, slip_and_strain_turn_back)
 
 
 def patch_test_in_statics(subject: Subject) -> None:

@@ -18,7 +18,18 @@ from contactlab.model.memory import model_memory, restore_model
 from contactlab.parts.registry import Registry
 from contactlab.scene.scene import Scene
 from contactlab.testing.assertions import Expected, NotApplicable, identical, require
-from contactlab.testing.scenarios.runs import Answers, Mode, half_passes, modes_of, needs_of, plain, pressed, run, same
+from contactlab.testing.scenarios.runs import (
+    Answers,
+    Mode,
+    half_passes,
+    modes_of,
+    needs_of,
+    plain,
+    pressed,
+    run,
+    same,
+    turning_back,
+)
 from contactlab.testing.subject import Subject
 from contactlab.testing.units import in_other_units
 
@@ -204,12 +215,25 @@ def threads_give_the_same_bits(subject: Subject) -> None:
 def restart_is_exact(subject: Subject) -> None:
     """A run stopped half-way and resumed by new parts has the same bits: no state is kept elsewhere."""
     for mode in modes_of(subject):
-        scene = pressed(subject, mode)
-        steps, dt = (20, scene.time.step) if scene.time.step else (3, 1.0 / 3.0)
-        whole, saved = _advanced(scene, steps, steps // 2, float(dt or 0.0))
-        again, _ = _advanced(scene, steps, steps // 2, float(dt or 0.0), saved)
-        for name, values in whole.items():
-            identical(again[name], values, f"{mode}: {name} after a restart")
+        _restarts(pressed(subject, mode), mode)
+
+
+def _restarts(scene: Scene, mode: Mode) -> None:
+    steps, dt = (20, scene.time.step) if scene.time.step else (3, 1.0 / 3.0)
+    whole, saved = _advanced(scene, steps, steps // 2, float(dt or 0.0))
+    again, _ = _advanced(scene, steps, steps // 2, float(dt or 0.0), saved)
+    for name, values in whole.items():
+        identical(again[name], values, f"{mode}: {name} after a restart")
+
+
+def slip_and_strain_turn_back(subject: Subject) -> None:
+    """A law that yields, pressed, drawn aside and back: the run breaks no invariant, and resumes with the same bits."""
+    for mode in modes_of(subject):
+        scene, what = pressed(subject, mode, turning_back(subject)), f"{mode}, turned back"
+        record = record_of(run(subject, scene, what), Job(mode, ""))
+        for measure, value in invariants_of({mode: record}):
+            require(measure.met(value), f"{what}: {measure.name} is {value:.3g}, allowed {allowed(measure)}")
+        _restarts(scene, mode)
 
 
 def _advanced(scene: Scene, steps: int, save_at: int, dt: float, saved: Any = None) -> tuple[Any, Any]:

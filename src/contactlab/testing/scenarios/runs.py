@@ -29,6 +29,11 @@ CELL, STEP, END = 0.2, 4e-8, 4e-6  # mm and s, of the scene
 STEPS = 100  # of the explicit run
 COURANT = 0.4  # of its steps, by the dilatational speed
 TOP = "upper.top"
+TOP_MOVES = {"ux": 0.006, "uy": -0.02}  # mm, of the scene
+YIELDING = {
+    "use": "linear-hardening", "young": 7000.0, "poisson": 0.3, "yield_stress": 60.0, "hardening": 700.0,
+    "density": 2.7e-9,
+}  # fmt: skip
 SHORTER = 10  # times as short under normal laws, whose slopes explicit steps have to follow
 LONGER = 5  # times as many steps as the scene wishes
 
@@ -130,6 +135,14 @@ def _timed(subject: Subject, mode: Mode) -> dict[str, Any]:
         return {}
     step = COURANT * CELL / subject.make().wave_speeds()[0]
     return {"time.step": step, "time.end": STEPS * step}
+
+
+def turning_back(subject: Subject) -> dict[str, Any]:
+    """Return changes for an integrator: a law with history, and a top that turns back, so that slip reverses."""
+    end = END if subject.part_class.inertia else 1.0
+    ramp = {"ramp": "table", "points": [[0.0, 0.0], [0.6 * end, 1.0], [end, 0.8]]}
+    top = {f"supports.1.{axis}": {**ramp, "to": to} for axis, to in TOP_MOVES.items()}
+    return {"materials.soft": YIELDING, **top}
 
 
 def _dynamic(subject: Subject) -> dict[str, Any]:
