@@ -324,6 +324,7 @@ PLANTED: dict[str, tuple[Defect, ...]] = {
         ("contact forgotten", "        motion.contact(ahead=dt)\n", ""),
     ),
     "integrator outside plain-leapfrog/src/plain_leapfrog/integrator.py:PlainLeapfrog": (
+        ("friction booked at the end of the kick", "0.5 * (before + v), between, compliance", "v, between, compliance"),
         ("compliance without damping", "dt * between / (1.0 + loss) * self.mobility", "dt * between * self.mobility"),
         ("reaction without damping", " + alpha * mean) + internal", ") + internal"),
         ("friction booked as contact", "pushed - rubbed, rubbed", "pushed, 0.0"),
@@ -533,6 +534,8 @@ PLANTED: dict[str, tuple[Defect, ...]] = {
     "enforcement outside remembering/src/remembering/parts.py:WornLayer": (
         ("timeless", "abs(slip_rate) * dt", "abs(slip_rate) * 1e-6"),
         ("pressure is not used", "p.wear * pressure", "p.wear"),
+        ("recovers in every step", "worn + p.wear", "0.5 * worn + p.wear"),
+        ("wear without dt", "abs(slip_rate) * dt", "abs(slip_rate)"),
     ),
     "template contact/potential": (
         ("patch test claimed", "passes_patch_test: ClassVar[bool] = False", "passes_patch_test: ClassVar[bool] = True"),
@@ -764,6 +767,7 @@ CATCHES: dict[str, tuple[str, str]] = {
     "normal_law.needs_and_memory_count": ("enforcement outside remembering/src/remembering/parts.py:CrushedLayer", "forgets"),
     "normal_law.memory_is_only_in_the_state": ("right crushed", "memory of its own"),
     "normal_law.memory_rests_at_rest": ("enforcement outside remembering/src/remembering/parts.py:CrushedLayer", "recovers in every step"),
+    "normal_law.memory_of_a_pressure_follows_time": ("enforcement outside remembering/src/remembering/parts.py:WornLayer", "recovers in every step"),
     "normal_law.pressure_is_right_under_what_it_remembers": ("right crushed", "slope of a new layer"),
     "normal_law.tractions_press_as_they_should": ("enforcement outside soft-contact/src/soft_contact/half_traction.py:HalfTraction", "sign of by_traction"),
     "normal_law.adjoint_is_right_in_every_variant": ("enforcement outside soft-contact/src/soft_contact/half_traction.py:HalfTraction", "adjoint for all of the stress"),

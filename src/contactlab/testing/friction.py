@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -224,21 +224,29 @@ def memory_follows_time(law: FrictionLaw) -> None:
     if not law.memory:
         raise NotApplicable("the law declares no memory")
     inputs, memory = _usual(law)
+    found = times_followed(memory, lambda dt, known: evolved(law, _of_length(inputs, dt), known))
+    for name in memory:
+        require(name in found, f"evolve never changes {name}")
+
+
+def times_followed(
+    memory: Mapping[str, Floats], step: Callable[[float, Mapping[str, Any]], dict[str, Any]]
+) -> set[str]:
+    """Return names of memory that steps change. Raise AssertionError for one that follows the number of steps."""
     worst: dict[str, list[float]] = {}
     for dt in STEPS:
-        whole = evolved(law, _of_length(inputs, dt), memory)
-        halves = evolved(law, _of_length(inputs, 0.5 * dt), evolved(law, _of_length(inputs, 0.5 * dt), memory))
+        whole, halves = step(dt, memory), step(0.5 * dt, step(0.5 * dt, memory))
         for name, before in memory.items():
             change = np.abs(whole[name] - before)
             seen = change > CHANGES * np.abs(whole[name])
             if seen.any():
                 off = np.abs(halves[name] - whole[name])[seen] / change[seen]
                 worst.setdefault(name, []).append(float(off.max()))
-    for name in memory:
-        require(name in worst, f"evolve never changes {name}")
-        least = min(worst[name])
+    for name, off_by in worst.items():
+        least = min(off_by)
         why = f"two half steps change {name} by {least:.0%} more or less than a whole step, however short"
         require(least < LINEAR, f"{why}: its change should be a rate times dt")
+    return {*worst}
 
 
 def _of_length(inputs: Mapping[str, Any], dt: float) -> dict[str, Any]:

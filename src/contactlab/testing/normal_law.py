@@ -12,6 +12,7 @@ import numpy as np
 from contactlab.api import Enforcement, Floats, NormalLaw
 from contactlab.parts.description import units_of
 from contactlab.testing.assertions import Check, NotApplicable, agree, identical, require, untouched
+from contactlab.testing.friction import times_followed
 from contactlab.testing.other_values import changed, others, without_effect
 from contactlab.testing.scales import scale_of
 from contactlab.testing.units import LONG, STRESS, in_other_units, same_in_other_units, scale_of_unit
@@ -147,6 +148,21 @@ def memory_rests_at_rest(enforcement: Enforcement) -> None:
                 f"a second step at the same gaps changes {name} by {off:.2g}, allowed {allowed:.2g}: it depends on the "
                 "number of steps; what changes in time needs dt",
             )
+
+
+def memory_of_a_pressure_follows_time(enforcement: Enforcement) -> None:
+    """Two halves of a short step change the memory of a law with `dt` as the whole does."""
+    law = _remembers(enforcement)
+    if not law.memory or "dt" not in law.needs:
+        raise NotApplicable("the law declares no memory, or does not need dt")
+    gap = _deep(law)
+    named = _later(law, gap, 1e4, 0.5, named_of(law, COUNT))  # memory of a step
+
+    def step(dt: float, known: Mapping[str, Any]) -> dict[str, Any]:
+        after = _later(law, gap, 1e4, 0.5, {**named, **known, "dt": dt})
+        return {name: after[name] for name in law.memory}
+
+    times_followed({name: named[name] for name in law.memory}, step)
 
 
 def pressure_is_right_under_what_it_remembers(enforcement: Enforcement) -> None:
@@ -405,6 +421,7 @@ CHECKS: tuple[Check, ...] = (
     needs_and_memory_count,
     memory_is_only_in_the_state,
     memory_rests_at_rest,
+    memory_of_a_pressure_follows_time,
     pressure_is_right_under_what_it_remembers,
     tractions_press_as_they_should,
     adjoint_is_right_in_every_variant,
