@@ -192,8 +192,14 @@ class Kernel(CPUDispatcher):
     def compile(self, sig: Any) -> Any:
         """Compile at the first call with arguments of new types."""
         COMPILATION.tell(self)
-        with kernel_locked(self), COMPILATION:
-            return super().compile(sig)
+        try:
+            with kernel_locked(self), COMPILATION:
+                return super().compile(sig)
+        except RuntimeError as error:
+            # an interrupt that came while LLVM handed over machine code, in a callback that drops what is raised
+            if str(error).startswith("no compiled object yet"):
+                raise KeyboardInterrupt from error
+            raise
 
 
 class Part(CPUDispatcher):
