@@ -11,6 +11,8 @@ from contactlab.parts.registry import default_registry
 from contactlab.testing import checks_for
 from contactlab.testing.assertions import Check
 from contactlab.testing.examples import example
+from contactlab.testing.scenarios.case import is_put_to_an_algorithm
+from contactlab.testing.subject import Subject
 
 
 def installed() -> list[tuple[str, str]]:
@@ -41,6 +43,22 @@ CASES = [
 @pytest.mark.parametrize(("kind", "name", "check"), CASES)
 def test_part(kind: str, name: str, check: Check) -> None:
     check(example(default_registry(), kind, name))
+
+
+IN_SHORT = ("hertz", "pulled-strip", "tresca-block")
+"""Cases whose runs are short: one raises in curves of NaN, one reads states, one counts nodes by the sign."""
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=() if name in IN_SHORT else (pytest.mark.full,))
+        for kind, name in installed()
+        if kind == "case"
+    ],
+)
+def test_case_in_a_run(name: str) -> None:
+    is_put_to_an_algorithm(Subject(default_registry(), "case", name))
 
 
 @pytest.mark.parametrize(("kind", "name"), installed())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
 from typing import Any
 
@@ -14,16 +14,41 @@ NUMBERS = tuple(name for name in ContactCurve.COLUMNS if name not in ("x", "y", 
 """Columns of a curve whose numbers are changed: states stay, places are stretched, so that it is still a curve."""
 
 
-def spoilt(record: Record, seed: int = 1) -> Record:
-    """The record with each number multiplied by its own random factor between 1/2 and 2: no ratio stays either."""
+Draw = Callable[[tuple[int, ...]], Any]
+"""Random factors of a shape."""
+
+
+def spoilt(record: Record, seed: int = 1, signs: bool = False) -> Record:
+    """The record with each number multiplied by its own random factor between 1/2 and 2: no ratio stays either.
+
+    signs  half of the factors are negative, so that what is counted by its sign changes, too
+    """
     rng = np.random.default_rng(seed)
-    curves = {name: [_curve(curve, rng) for curve in some] for name, some in record.curves.items()}
+
+    def draw(shape: tuple[int, ...]) -> Any:
+        return rng.uniform(0.5, 2.0, shape) * (rng.choice((-1.0, 1.0), shape) if signs else 1.0)
+
+    curves = {name: [_curve(curve, draw) for curve in some] for name, some in record.curves.items()}
     changed = {
-        field.name: _changed(getattr(record, field.name), rng)
+        field.name: _changed(getattr(record, field.name), draw)
         for field in fields(record)
         if field.name in ("summary", "history", "watched", "displacement", "velocity", "stress")
     }
     return replace(record, curves=curves, **changed)
+
+
+def spoilt_curves(record: Record) -> Record:
+    """The record with other numbers for all that acts in its curves; places and states stay."""
+    return replace(
+        record,
+        curves={
+            name: [
+                replace(other, x=curve.x, y=curve.y)
+                for other, curve in zip(spoilt(record).curves[name], some, strict=True)
+            ]
+            for name, some in record.curves.items()
+        },
+    )
 
 
 def unknown(record: Record) -> Record:
@@ -37,19 +62,18 @@ def _unknown(curve: ContactCurve) -> ContactCurve:
     return replace(curve, **{name: np.nan * column for name, column in columns.items() if column.dtype.kind == "f"})
 
 
-def _curve(curve: ContactCurve, rng: np.random.Generator) -> ContactCurve:
-    numbers = {name: _changed(getattr(curve, name), rng) for name in NUMBERS}
+def _curve(curve: ContactCurve, draw: Draw) -> ContactCurve:
+    numbers = {name: _changed(getattr(curve, name), draw) for name in NUMBERS}
     return replace(curve, x=1.3 * curve.x, y=1.3 * curve.y, **numbers)
 
 
-def _changed(value: Any, rng: np.random.Generator) -> Any:
+def _changed(value: Any, draw: Draw) -> Any:
     if isinstance(value, Mapping):
-        return {name: _changed(item, rng) for name, item in value.items()}
+        return {name: _changed(item, draw) for name, item in value.items()}
     if isinstance(value, list | tuple):
-        return type(value)([_changed(item, rng) for item in value])
+        return type(value)([_changed(item, draw) for item in value])
     if isinstance(value, np.ndarray):
-        return value * rng.uniform(0.5, 2.0, value.shape) if value.dtype.kind == "f" else value
+        return value * draw(value.shape) if value.dtype.kind == "f" else value
     if isinstance(value, bool) or not isinstance(value, int | float):
         return value
-    factor = float(rng.uniform(0.5, 2.0))
-    return type(value)(value * factor)
+    return type(value)(value * float(draw(())))
