@@ -11,22 +11,23 @@ from contactlab.scene.scene import Scene
 GAP, DOWN, ALONG, YOUNG = 0.0035, 0.01, 0.002, 1000.0
 
 
-def landed(steps: int, algorithm: str) -> Results:
-    """A square that moves down by DOWN and along by ALONG; it touches a rough floor after 0.35 of both."""
+def landed(steps: int, algorithm: str, share: float = 1.0, mu: float = 2.0, width: float = 1.0) -> Results:
+    """A square that moves by a share of DOWN and ALONG; it touches a rough floor after 0.35 of both."""
     return contactlab.simulate(Scene.from_data({
         "format": 1, "name": "landing", "integrator": {"use": "newton", "steps": steps},
         "record": {"frames": 1, "recorders": []},
         "materials": {"m": {"use": "linear-elastic", "young": YOUNG, "poisson": 0.0, "density": 1e-9}},
         "bodies": {"b": {
             "material": "m", "element": "q1",
-            "mesh": {"use": "rectangle", "x": [0.0, 1.0], "y": [GAP, 1.0 + GAP], "cells": [2, 1]},
+            "mesh": {"use": "rectangle", "x": [0.0, width], "y": [GAP, 1.0 + GAP], "cells": [2, 1]},
         }},
-        "rigid": {"floor": {"line": [[2.0, 0.0], [-1.0, 0.0]]}},
+        "rigid": {"floor": {"line": [[2.0 * width, 0.0], [-width, 0.0]]}},
         "contacts": [{
-            "slave": "b.bottom", "master": "floor", "algorithm": algorithm, "friction": {"use": "coulomb", "mu": 2.0},
+            "slave": "b.bottom", "master": "floor", "algorithm": algorithm, "friction": {"use": "coulomb", "mu": mu},
         }],
         "supports": [{
-            "on": "b.top", "ux": {"ramp": "linear", "to": ALONG}, "uy": {"ramp": "linear", "to": -DOWN},
+            "on": "b.top",
+            "ux": {"ramp": "linear", "to": share * ALONG}, "uy": {"ramp": "linear", "to": -share * DOWN},
         }],
     }))  # fmt: skip
 
@@ -46,6 +47,25 @@ def test_the_slip_before_a_touch_that_friction_holds_in_error_is_told_with_its_s
     assert (warning.code, warning.key) == ("friction-steps", "integrator.steps")
     # all is linear: the estimate is the error
     assert warning.value == pytest.approx((touch - 0.3) / 0.7, rel=1e-6)
+
+
+@pytest.mark.parametrize("algorithm", ["mortar-p1", "node-on-segment"])
+def test_surfaces_that_slide_only_by_the_slip_before_they_touched_are_told(algorithm: str) -> None:
+    """From 0.35 to 0.4 of both motions the floor holds: the shear is 0.1 of the pressure, below mu = 0.12.
+
+    A step from 0.2 to 0.4 counts four times this shear, so that friction gives way at its bound. The square is wide:
+    at its ends the moment of the shear changes the pressure by 1/width.
+    """
+    wide = 1e4
+    touched = (0.4 - GAP / DOWN) * ALONG
+    coarse, exact = (landed(steps, algorithm, 0.4, 0.12, wide) for steps in (2, 8))
+    assert exact.summary["reactions"]["b.top"][0] == pytest.approx(wide * YOUNG / 2.0 * touched, rel=1e-6)
+    assert not exact.warnings
+    bound = 0.12 * YOUNG * (0.4 * DOWN - GAP)
+    assert coarse.summary["reactions"]["b.top"][0] == pytest.approx(wide * bound, rel=1e-6)
+    (warning,) = coarse.warnings
+    assert (warning.code, warning.key) == ("friction-steps", "integrator.steps")
+    assert warning.value == pytest.approx(1.0 - YOUNG / 2.0 * touched / bound, rel=1e-3)
 
 
 def test_a_curve_that_touches_where_it_moves_straight_has_no_slip_before() -> None:

@@ -2,7 +2,8 @@
 
 A load step requires of a node that sticks at its end that it has not slipped since its start, also if it was still open
 there. The slip of the surfaces before they touched, delta, is then held by friction that has not acted yet. Nodes that
-slide forget it, nodes that stick keep it for good. Left out at the end, it would change forces by
+slide forget it, nodes that stick keep it for good. A node that slides in the step in which it touches, by less than
+delta, would stick. Left out at the end, it would change forces by
 
     (K - F) du = N^T dy_n + T^T dy_t,    the rows of the enforcement with the slip ds - delta instead of ds
 
@@ -43,8 +44,8 @@ class FrictionError:
 
     pairs    those with friction
     numbers  (5, k) by multiplier: gap at the end of the last step [mm] (NaN: pressed, or out of reach), what the gap
-             closed by and the surfaces slid in it while open [mm], the slip delta that friction holds in error [mm],
-             and whether it was pressed
+             closed by and the surfaces slid in it while open [mm], the slip that friction holds in error [mm], delta
+             of nodes that stick, delta less the slip of nodes that would, and whether it was pressed
     rolled   (3, pairs) what load steps exchanged of each contact in all, and in how many of them since they began to,
              so far and up to the last exchange
     """
@@ -102,7 +103,9 @@ class FrictionError:
         else:
             closed, slid = n[CLOSED, touched], n[SLID, touched]
         share = np.divide(n[GAP, touched], closed, out=np.zeros(len(touched)), where=closed > 0.0)
-        n[HELD, touched] = np.where(sticks[touched], np.minimum(share, 1.0) * slid, 0.0)
+        before, slip = np.minimum(share, 1.0) * slid, c.slip[touched]
+        all_before = (before * slip > 0.0) & (np.abs(before) > np.abs(slip))
+        n[HELD, touched] = np.where(sticks[touched], before, np.where(all_before, before - slip, 0.0))
 
     def _take_gaps(self) -> None:
         c = self.contact.conditions
@@ -161,6 +164,11 @@ class FrictionError:
         size = 1.0 / np.maximum(np.abs(by_gap), np.abs(by_force) * c.stiffness[pressed])
         of_gap, of_force = size * by_gap, size * by_force
         cross = size[1] * out.cross_gap[pressed], size[1] * out.cross_force[pressed]
+        held = self.numbers[HELD, pressed]
+        would_stick = (held != 0.0) & (out.status[pressed] != STICK)
+        of_gap[1, would_stick], of_force[1, would_stick] = 1.0, 0.0
+        for part in cross:
+            part[would_stick] = 0.0
         blocks = [
             [matrix, -normal.T, -tangent.T],
             [diags_array(of_gap[0]) @ gap, diags_array(of_force[0]), None],
@@ -170,7 +178,7 @@ class FrictionError:
                 diags_array(of_force[1]),
             ],
         ]
-        right = np.concatenate([np.zeros(matrix.shape[0] + len(pressed)), of_gap[1] * self.numbers[HELD, pressed]])
+        right = np.concatenate([np.zeros(matrix.shape[0] + len(pressed)), of_gap[1] * held])
         found = np.zeros(len(c.gap))
         equations = csc_array(block_array(blocks))
         try:
