@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from contactlab.model.bodies.body import Body
 from contactlab.model.loading.supports import Prescribed, SupportPlan
 
 if TYPE_CHECKING:
+    from contactlab.contact.potential_pair import PotentialPair
     from contactlab.model.implicit_model import ImplicitModel
     from contactlab.scene.scene import Scene
 
@@ -85,6 +87,7 @@ def loose_motions(
         rows.append(along @ modes)
         if friction and across is not None and sticks is not None:
             rows.append((across @ modes)[np.searchsorted(np.flatnonzero(closed), sticks)])
+        rows += [row @ modes for pair in model.contact.potentials for row in _held_by(pair, model, friction, pressed)]
     _, sizes, directions = np.linalg.svd(np.concatenate(rows))
     free = directions[int((sizes > least * max(1.0, sizes.max(initial=0.0))).sum()) :]
     found: dict[str, tuple[str, ...]] = {}
@@ -94,6 +97,23 @@ def loose_motions(
             alike = (1.0 - FREE) * most
             found[body.name] = tuple(motion for motion, own in zip(MOTIONS, share, strict=True) if own >= alike)
     return found
+
+
+def _held_by(pair: PotentialPair, model: ImplicitModel, friction: bool, pressed: bool) -> Iterator[Any]:
+    """Yield derivatives (k, 2 N) of gaps, and of slips that friction holds, of the closed nodes of a potential."""
+    from scipy.sparse import coo_array
+
+    pair.update(model.position, np.zeros((0, len(pair.slave.nodes))))
+    found, force = pair.found, model.state["multipliers"][0, pair.own]
+    assert found is not None  # of the update
+    touching = found.gap <= pair.clearance + TOUCHING * pair.size
+    row = np.repeat(np.arange(len(found.gap)), np.diff(found.start))
+    weights = [(found.normal_weight, touching | (force[found.owner] > 0.0))]
+    if friction and pair.friction is not None:
+        weights.append((found.tangent_weight, force[found.owner] > 0.0 if pressed else touching))
+    for weight, chosen in weights:
+        place = np.repeat(row, 2), np.add.outer(2 * found.node, np.arange(2)).ravel()
+        yield coo_array((weight.ravel(), place), shape=(len(found.gap), model.reference.size)).tocsr()[chosen]
 
 
 def hold(body: str, motions: tuple[str, ...]) -> str:
