@@ -10,6 +10,8 @@ from contactlab.kernels.checks import deepest, status_changes
 from contactlab.model.bodies.body import Body
 from contactlab.model.loading.held_bodies import free_motions, hold, loose_motions
 from contactlab.model.model import Model
+from contactlab.results.invariants import NOTHING
+from contactlab.results.strain_scale import contact_force_of_strain
 from contactlab.run.stopping import node_name, stop
 
 if TYPE_CHECKING:
@@ -31,7 +33,8 @@ FAR_SIDE = 2.0  # segment lengths beyond which a node is on the far side of a th
 class ContactGuard:
     """Checks all contact pairs of one run.
 
-    pressed, closed    (k,) multipliers that pressed at the last step, and at any time
+    pressed, closed    (k,) multipliers that pressed at the last step, and at any time with more than round-off
+    felt, waiting      (k,) [N] what is more than round-off, and the pairs that have not closed
     loose, flickering  consecutive steps whose contact was not solved, or whose conditions changed too much
     largest, rattling  [N] largest nodal forces of the run, and of the last steps that flickered
     before             (N, 2) [mm] positions at the last look
@@ -44,6 +47,10 @@ class ContactGuard:
         self.forces = model.state["multipliers"][0] if self.pairs else np.zeros(0)
         self.pressed = np.zeros(len(self.forces), np.bool_)
         self.closed = self.pressed.copy()
+        self.felt = np.zeros(len(self.forces))
+        for pair in passes:
+            self.felt[pair.own] = contact_force_of_strain(model, pair, NOTHING)
+        self.waiting = passes
         self.loose = self.flickering = 0
         self.largest = self.rattling = 0.0
         self.before = model.position.copy() if self.pairs else model.position
@@ -57,8 +64,9 @@ class ContactGuard:
         if not self.pairs:
             return
         changes, conditions, last, force = status_changes(self.forces, self.pressed)
-        if changes:
-            self.closed |= self.pressed
+        if self.waiting and force > 0.0:
+            self.closed |= self.forces > self.felt
+            self.waiting = tuple(pair for pair in self.waiting if not self.closed[pair.own].any())
         self.largest = max(self.largest, force)
         flickers = conditions >= FEWEST and changes > FLICKER * conditions
         self.flickering, self.rattling = (

@@ -15,6 +15,7 @@ from contactlab.model.build import build
 from contactlab.parts.registry import default_registry
 from contactlab.results.sample import take_sample
 from contactlab.run import judgement
+from contactlab.run.contact_guard import ContactGuard
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene, load_scene
 
@@ -50,6 +51,16 @@ def test_a_contact_that_never_closes_is_told_with_its_distance(integrator: str) 
     assert (warning.code, warning.key) == ("open-contact", "contacts.0")
     assert warning.value == pytest.approx(0.06, rel=0.05)  # an explicit one still swings
     assert "open-contact" not in [w.code for w in simulate(pressed(0.12, integrator)).warnings]
+
+
+def test_forces_of_round_off_close_no_contact() -> None:
+    """A strain of 1e-12 over the scene is what positions of 16 digits leave."""
+    model = build(pressed(0.04), default_registry())
+    guard, forces = ContactGuard(model, "shorter steps"), model.state["multipliers"][0]
+    for force, closed in ((1e-12, False), (1e-6, True)):
+        forces[0] = force
+        guard.after_step(0.0)
+        assert guard.closed.any() == closed
 
 
 def test_a_contact_that_closed_and_opened_again_is_not_open() -> None:
