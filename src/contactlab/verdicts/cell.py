@@ -6,7 +6,7 @@ import hashlib
 import traceback
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass, field
-from math import isfinite, nan
+from math import isfinite
 from typing import Any
 
 from contactlab.api import Job, Measure
@@ -41,7 +41,8 @@ class CellResult:
     @property
     def number(self) -> str:
         """Value and unit of the first measure with the verdict of the cell, errors first; empty without one."""
-        same = [m for m in self.measures if m["verdict"] == self.verdict and isfinite(m["value"] or nan)]
+        known = [m for m in self.measures if m["value"] is not None and isfinite(m["value"])]
+        same = [m for m in known if m["verdict"] == self.verdict]
         first = min(same, key=lambda m: m["role"] != "error", default=None)
         return "" if first is None else f"{first['value']:.2g} {first['unit']}".strip()
 
