@@ -44,11 +44,13 @@ def refuse_slave(plan: ContactPlan, bodies: tuple[Body, ...]) -> None:
     for behind in edges_behind(plan.slave, bodies):
         body = bodies[behind.body]
         if not follows_tables(body):
+            others = (bodies[edges.body] for edges in edges_behind(plan.master, bodies))
+            swap = ", or swap slave and master" if all(map(follows_tables, others)) else ""
             raise PartError(
                 "the enforcement needs the stress of the cells behind the slave and its derivative, which this element "
                 "does not give: its forces do not follow from its tables",
                 where=plan.where, got=f"{type(body.element).__name__} in {body.name}",
-                allowed="elements that are their tables: q1, q2", hint="take q1 or q2 there, or swap slave and master",
+                allowed="elements that are their tables: q1, q2", hint=f"take q1 or q2 there{swap}",
             )  # fmt: skip
 
 
