@@ -23,7 +23,7 @@ import numpy as np
 from scipy.sparse import block_array, csc_array, diags_array
 from scipy.sparse.linalg import splu
 
-from contactlab.api import Floats, Ints, Response, RunWarning
+from contactlab.api import Floats, FrictionBound, Ints, Response, RunWarning
 from contactlab.api.arrays import Flags
 from contactlab.api.frame import STICK
 
@@ -105,7 +105,11 @@ class FrictionError:
         share = np.divide(n[GAP, touched], closed, out=np.zeros(len(touched)), where=closed > 0.0)
         before, slip = np.minimum(share, 1.0) * slid, c.slip[touched]
         all_before = (before * slip > 0.0) & (np.abs(before) > np.abs(slip))
-        n[HELD, touched] = np.where(sticks[touched], before, np.where(all_before, before - slip, 0.0))
+        held = np.where(sticks[touched], before, np.where(all_before, before - slip, 0.0))
+        limit = FrictionBound(*c.bound[:, touched]).limits(c.force[0, touched], c.measure[touched])[0]
+        # the forces with and without it are both within the bound, and this far apart at most
+        most = 2.0 * limit / c.stiffness[touched]
+        n[HELD, touched] = np.clip(held, -most, most)
 
     def _take_gaps(self) -> None:
         c = self.contact.conditions
@@ -187,7 +191,9 @@ class FrictionError:
             return found
         # two conditions of one node share its traction as they like where slaves end: singular but for round-off
         if np.linalg.norm(equations @ solved - right) <= SOLVED * np.linalg.norm(right):
-            found[pressed] = solved[-len(pressed) :]
+            y, bound = c.force[:, pressed], FrictionBound(*c.bound[:, pressed])
+            limit = bound.limits(y[0], c.measure[pressed])[0]
+            found[pressed] = np.clip(y[1] + solved[-len(pressed) :], -limit, limit) - y[1]
         return found
 
 
