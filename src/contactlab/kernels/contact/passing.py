@@ -63,6 +63,21 @@ def _opposed(s, r, t, before, after, segments):
 
 
 @section
+def _cuts_a_corner(s, r, x, y, t, before, after, chain, segments, limit):
+    """Return whether two segments share a vertex that is within `limit` [mm] of a point (x, y) at a time.
+
+    Closed chains may have a node twice, first and last, of one number.
+    """
+    for e in range(2):
+        v = segments[s, e]
+        if chain[v] == chain[segments[r, 1 - e]]:
+            vx = (1.0 - t) * before[v, 0] + t * after[v, 0]
+            vy = (1.0 - t) * before[v, 1] + t * after[v, 1]
+            return np.hypot(x - vx, y - vy) <= limit
+    return False
+
+
+@section
 def _behind(segment, end, after, segments):
     """Return the distance of a point at `end` (2,) behind the line of a segment [mm]."""
     n, m = segments[segment, 0], segments[segment, 1]
@@ -130,7 +145,9 @@ def passages(start, end, own, before, after, chain, segments, order, first, last
                 if entered < 0:
                     entered, time, speed = s, now, events[k, 2]
             elif entered >= 0:
-                if s != entered and _opposed(entered, s, now, before, after, segments):
+                x, y = px + now * dpx, py + now * dpy
+                cut = _cuts_a_corner(entered, s, x, y, now, before, after, chain, segments, limit)
+                if s != entered and not cut and _opposed(entered, s, now, before, after, segments):
                     out[i] = 0.5 * (time + now)
                     break
                 entered = -1

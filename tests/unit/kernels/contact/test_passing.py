@@ -57,6 +57,23 @@ def test_a_point_that_comes_out_behind_a_plate_stops_in_its_middle() -> None:
     assert 0.0 < touching < 0.05
 
 
+@pytest.mark.parametrize("twice", [True, False])
+def test_a_point_at_a_corner_leaves_the_body_there(twice: bool) -> None:
+    """It lies in an acute corner by round-off, at one side, and leaves by the other: it has passed through nothing.
+
+    A closed chain may have its first node `twice`, with one number.
+    """
+    acute = PLATE[[4, 0, 1, 2, 3, 4]]
+    acute[1, 0] -= 1e-6
+    chain = np.array([[0, 1], [1, 2], [2, 3], [3, 4], [4, 5]], np.int32)
+    numbers = np.array([0, 1, 2, 3, 4, 0], np.int32)
+    if not twice:
+        acute, numbers, chain = acute[:5], numbers[:5], np.where(chain == 5, 0, chain).astype(np.int32)
+    place, up = acute[:1] + np.array([-1e-9, 1e-7]), np.array([0.0, 3e-7])
+    passed = find_passages((place, place, np.array([99])), (acute, acute + up, numbers), chain, LIMIT)
+    assert np.isinf(passed).all()
+
+
 def test_a_turned_and_shifted_motion_has_the_same_share() -> None:
     """All positions turned by an angle and shifted far away: products of coordinates keep 1e-9."""
     c, s = np.cos(0.7), np.sin(0.7)
