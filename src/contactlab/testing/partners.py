@@ -37,6 +37,15 @@ def usual_law(registry: Registry) -> str:
     raise NotApplicable("no pressure law without values of its own is installed")
 
 
+def usual_flow(registry: Registry) -> str:
+    """A shipped material that yields: one that needs a yield stress."""
+    for name in partners(registry, "material"):
+        keys = keys_of(registry.part_class("material", name))
+        if "yield_stress" in keys and is_required(keys["yield_stress"]):
+            return name
+    raise NotApplicable("no material that yields is installed")
+
+
 def usual_motion(registry: Registry) -> str:
     """A shipped integrator with inertia whose steps iterate."""
     for name in partners(registry, "integrator"):

@@ -53,12 +53,9 @@ def test_a_whole_run_costs_what_it_cost(scene: Scene) -> None:
 
 def test_what_the_trial_misses_is_said_before_the_run(own_cache: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Strains of half: with a law for small ones the run would warn, and `explain` says so beforehand."""
-    settings, missing = ["--set", "level=1", "--set", "integrator=newton", "--json"], {}
-    for law in ("neo-hookean", "linear-elastic"):
-        assert main(["explain", "disc-on-block", *settings, "--set", f"materials.soft.use={law}"]) == 0
-        missing[law] = json.loads(capsys.readouterr().out)["missing"]
-    assert missing["neo-hookean"] == []
-    (told,) = missing["linear-elastic"]
+    settings = ["level=1", "integrator=newton", "materials.soft.use=linear-elastic"]
+    assert main(["explain", "disc-on-block", "--json", *(word for text in settings for word in ("--set", text))]) == 0
+    (told,) = json.loads(capsys.readouterr().out)["missing"]
     assert "body block: strains reach" in told
     assert "its law is for small strains" in told
 

@@ -82,7 +82,7 @@ def test_friction_that_is_none_is_not_to_be_less() -> None:
     assert "less friction" not in reason
 
 
-@pytest.mark.parametrize("algorithm", ["mortar-p1", "midplane", "barrier"])
+@pytest.mark.parametrize("algorithm", ["mortar-p1", "midplane", pytest.param("barrier", marks=pytest.mark.full)])
 def test_friction_that_is_too_little_from_the_start_is_named(algorithm: str) -> None:
     """Pressed and pushed at once by more than mu: no increment has an equilibrium, and a law of friction is there.
 

@@ -19,7 +19,7 @@ from contactlab.results.results import Results
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene, load_scene
 from contactlab.testing.assertions import NotApplicable, require
-from contactlab.testing.partners import usual_law
+from contactlab.testing.partners import usual_flow, usual_law
 from contactlab.testing.points import FIELD
 from contactlab.testing.subject import Subject
 
@@ -30,10 +30,7 @@ STEPS = 100  # of the explicit run
 COURANT = 0.4  # of its steps, by the dilatational speed
 TOP = "upper.top"
 TOP_MOVES = {"ux": 0.006, "uy": -0.02}  # mm, of the scene
-YIELDING = {
-    "use": "linear-hardening", "young": 7000.0, "poisson": 0.3, "yield_stress": 60.0, "hardening": 700.0,
-    "density": 2.7e-9,
-}  # fmt: skip
+YIELDING = {"young": 7000.0, "poisson": 0.3, "yield_stress": 60.0, "hardening": 700.0, "density": 2.7e-9}
 SHORTER = 10  # times as short under normal laws, whose slopes explicit steps have to follow
 LONGER = 5  # times as many steps as the scene wishes
 
@@ -142,7 +139,7 @@ def turning_back(subject: Subject) -> dict[str, Any]:
     end = END if subject.part_class.inertia else 1.0
     ramp = {"ramp": "table", "points": [[0.0, 0.0], [0.6 * end, 1.0], [end, 0.8]]}
     top = {f"supports.1.{axis}": {**ramp, "to": to} for axis, to in TOP_MOVES.items()}
-    return {"materials.soft": YIELDING, **top}
+    return {"materials.soft": {"use": usual_flow(subject.registry), **YIELDING}, **top}
 
 
 def _dynamic(subject: Subject) -> dict[str, Any]:
