@@ -26,14 +26,14 @@ ALLOWED = "the folder of a run or a comparison, a bundled scene, or a TOML file"
 def cite(options: argparse.Namespace) -> int:
     """Print program, scene, parts and reference with the citation of each."""
     cited = cited_in(options.path, registry_with(options.files))
-    out = console()
-    say = out.say
     if options.json:
         print_json({"format": 1, "folder": options.path, **cited})
         return 0
     if options.bibtex:
         print("\n\n".join(_entries(cited)))
         return 0
+    out = console()
+    say = out.say
     say(f"{cited['program']}\nscene {cited['scene']['name']}: {cited['scene']['source'] or 'names no source'}")
     if known := cited["reference"]:
         say(f"reference {known['name']}: {known['title']}")
@@ -46,15 +46,17 @@ def cite(options: argparse.Namespace) -> int:
 
 def _entries(cited: Mapping[str, Any]) -> Iterator[str]:
     """Entries for the program and all works, and a comment for each source that is no work with a full reference."""
-    name, _, version = cited["program"].partition(":")[0].partition(" ")
-    yield bibtex(name, {"author": "{contactlab developers}", "title": f"contactlab: {PROGRAM}", "version": version})
+    version = cited["program"].partition(":")[0].removeprefix("contactlab ")
+    yield bibtex(
+        "contactlab", {"author": "{contactlab developers}", "title": f"contactlab: {PROGRAM}", "version": version}
+    )
     sources = {f"{part['name']} ({part['package']})": part["cite"] for part in cited["parts"]}
     sources[f"scene {cited['scene']['name']}"] = cited["scene"]["source"]
     found = works(sources.values())
     yield from (bibtex(key, work) for key, work in found.items())
     for what, source in sources.items():
         for text in filter(None, map(str.strip, source.split(";"))):
-            if not works([text]):
+            if not text.startswith(tuple(found)):
                 yield f"% {what}: {text}"
 
 

@@ -106,7 +106,7 @@ class VaryingSliding(Sliding):
         return np.asarray(self.kept[len(KEPT) + 2 * ("position" in self.law.needs)])
 
     def take_traction(self, pair: ContactPair, *step: float) -> None:
-        """Keep the traction at the end of a step; at corners, which have no one normal, that of the pressure."""
+        """Keep the traction at the end of a step; points at corners have no unique normal, and minus their pressure."""
         self._traction[:] = -self.kept[3] if self.tractions is None else self.tractions.values()[pair.own]
 
     def begin_step(self, pair: ContactPair, time: float, dt: float) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Iterable, Mapping
+from functools import cache
 from importlib.resources import files
 from typing import Any
 
@@ -14,20 +15,22 @@ Work = Mapping[str, Any]
 
 def works(texts: Iterable[str]) -> dict[str, Work]:
     """Works that texts name by authors and year ("Simo 1992, (4.2); Wriggers 2006"), in the order of their names."""
-    known = tomllib.loads(files("contactlab").joinpath("data/literature.toml").read_text(encoding="utf-8"))
     named = [work.strip() for text in texts for work in text.split(";")]
-    return {key: work for key, work in sorted(known.items()) if any(text.startswith(key) for text in named)}
+    return {key: work for key, work in sorted(_known().items()) if any(text.startswith(key) for text in named)}
+
+
+@cache
+def _known() -> dict[str, Work]:
+    return tomllib.loads(files("contactlab").joinpath("data/literature.toml").read_text(encoding="utf-8"))
 
 
 def reference(work: Work) -> str:
     """Full reference in one line."""
-    where = ", ".join(
-        (f"{work['journal']} {work['volume']}" + (f"({work['number']})" if "number" in work else ""), work["pages"])
-        if "journal" in work
-        else (work["publisher"],)
-        if "publisher" in work
-        else (f"arXiv:{work['eprint']}",)
-    )
+    if "journal" in work:
+        number = f"({work['number']})" if "number" in work else ""
+        where = f"{work['journal']} {work['volume']}{number}, {work['pages']}"
+    else:
+        where = work["publisher"] if "publisher" in work else f"arXiv:{work['eprint']}"
     title = work["title"] + (f", {work['edition']} edition" if "edition" in work else "")
     return f"{work['author'].replace(' and ', ', ')}: {title}. {where} ({work['year']})"
 

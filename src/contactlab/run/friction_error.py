@@ -106,14 +106,18 @@ class FrictionError:
         before, slip = np.minimum(share, 1.0) * slid, c.slip[touched]
         all_before = (before * slip > 0.0) & (np.abs(before) > np.abs(slip))
         held = np.where(sticks[touched], before, np.where(all_before, before - slip, 0.0))
-        limit = FrictionBound(*c.bound[:, touched]).limits(c.force[0, touched], c.measure[touched])[0]
         # the forces with and without it are both within the bound, and this far apart at most
-        most = 2.0 * limit / c.stiffness[touched]
+        most = 2.0 * self._limits(touched) / c.stiffness[touched]
         n[HELD, touched] = np.clip(held, -most, most)
 
     def _take_gaps(self) -> None:
         c = self.contact.conditions
         self.numbers[GAP] = np.where(c.present & (c.force[0] <= 0.0), c.gap, np.nan)
+
+    def _limits(self, chosen: Ints) -> Floats:
+        """Return the largest tangential forces [N] that the bounds of some multipliers allow."""
+        c = self.contact.conditions
+        return FrictionBound(*c.bound[:, chosen]).limits(c.force[0, chosen], c.measure[chosen])[0]
 
     def _response(self) -> Response:
         out = Response.allocate(*self.contact.conditions.force.shape)
@@ -191,9 +195,8 @@ class FrictionError:
             return found
         # two conditions of one node share its traction as they like where slaves end: singular but for round-off
         if np.linalg.norm(equations @ solved - right) <= SOLVED * np.linalg.norm(right):
-            y, bound = c.force[:, pressed], FrictionBound(*c.bound[:, pressed])
-            limit = bound.limits(y[0], c.measure[pressed])[0]
-            found[pressed] = np.clip(y[1] + solved[-len(pressed) :], -limit, limit) - y[1]
+            y, limit = c.force[1, pressed], self._limits(pressed)
+            found[pressed] = np.clip(y + solved[-len(pressed) :], -limit, limit) - y
         return found
 
 

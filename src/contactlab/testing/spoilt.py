@@ -39,16 +39,12 @@ def spoilt(record: Record, seed: int = 1, signs: bool = False) -> Record:
 
 def spoilt_curves(record: Record) -> Record:
     """The record with other numbers for all that acts in its curves; places and states stay."""
-    return replace(
-        record,
-        curves={
-            name: [
-                replace(other, x=curve.x, y=curve.y)
-                for other, curve in zip(spoilt(record).curves[name], some, strict=True)
-            ]
-            for name, some in record.curves.items()
-        },
-    )
+    others = spoilt(record).curves
+    curves = {
+        name: [replace(other, x=curve.x, y=curve.y) for other, curve in zip(others[name], some, strict=True)]
+        for name, some in record.curves.items()
+    }
+    return replace(record, curves=curves)
 
 
 def unknown(record: Record) -> Record:

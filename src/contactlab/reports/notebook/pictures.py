@@ -43,7 +43,7 @@ def field_figure(results: Results, name: str, frame: int, ax: Axes | None = None
         figure, axes = frame_of([_of_bodies(results, moment)], ax)
         shown = draw_field(axes, results, moment, values, limits_of([values]))
         colour_bar(figure, axes, shown, title_of(name, Units.of_label(results.layout.units)))
-        conditions_of(results)(axes, moment.position)
+        _conditions_of(results)(axes, moment.position)
         label_places(axes, results.layout.units, f"{results.layout.title}, {when(results, moment)}")
     return figure
 
@@ -66,7 +66,7 @@ def animated(
     limits: Limits | None = None,
 ) -> Any:  # fmt: skip
     """Return a function that redraws the moment of a number and returns its artists, the coloured ones first."""
-    draw_supports_and_loads = conditions_of(results)
+    draw_supports_and_loads = _conditions_of(results)
     values = [_values(results, moment, name, flat) for moment in moments]
     within = limits or limits_of(values)
     before: list[Artist] = []
@@ -76,8 +76,9 @@ def animated(
             for artist in before:
                 artist.remove()
             known = set(axes.get_children())
-            moment = moments[min(number, len(moments) - 1)]
-            shown = draw_field(axes, results, moment, values[min(number, len(moments) - 1)], within)
+            now = min(number, len(moments) - 1)
+            moment = moments[now]
+            shown = draw_field(axes, results, moment, values[now], within)
             draw_supports_and_loads(axes, moment.position)
             before[:] = [artist for artist in axes.get_children() if artist not in known]
             label_places(axes, results.layout.units, _wrapped(axes, f"{title}, {when(results, moment)}"))
@@ -95,7 +96,7 @@ def fields_figure(runs: Mapping[str, Results], name: str, frame: int, flat: bool
         figure, places = _grid(runs, moments.values())
         for (title, results), axes in zip(runs.items(), places, strict=False):
             shown = draw_field(axes, results, moments[title], values[title], limits)
-            conditions_of(results)(axes, moments[title].position)
+            _conditions_of(results)(axes, moments[title].position)
             label_places(axes, results.layout.units, _wrapped(axes, f"{title}, {when(results, moments[title])}"))
         units = Units.of_label(next(iter(runs.values())).layout.units)
         colour_bar(figure, places, shown, title_of(name, units))
@@ -244,7 +245,7 @@ def _rigid_lines(results: Results, moment: Moment) -> Iterable[list[Floats]]:
             yield list(moment.position[contact.master_nodes][contact.master_segments])
 
 
-def conditions_of(results: Results) -> Callable[[Axes, Floats], None]:
+def _conditions_of(results: Results) -> Callable[[Axes, Floats], None]:
     """Return what draws supports and loads at nodes (N, 2); nothing if the scene or a mesh can no longer be read."""
     try:
         scene, bodies = scene_of(results)

@@ -64,7 +64,7 @@ def _plan(case: Case, setup: Setup, done: Mapping[str, Record]) -> list[object]:
 
 
 def _found(case: Case, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-    """What it finds in records that no run leaves; nothing if it raises, as a contact without a node may make it."""
+    """Return what the case finds in changed records; nothing if it raises, for example if no node is in contact."""
     with warnings.catch_warnings(action="ignore"):
         try:
             return evaluated(case, setup, done)

@@ -77,7 +77,7 @@ def pressed(subject: Subject, mode: Mode, changes: Mapping[str, Any] | None = No
 
 
 def needs_of(subject: Subject) -> tuple[str, ...]:
-    """Return names of what the part needs; those of an integrator are a class."""
+    """Return the names that the part needs; an integrator needs no names but a class of equations."""
     return () if subject.kind == "integrator" else getattr(subject.part_class, "needs", ())
 
 
