@@ -52,13 +52,18 @@ STATICS: Final = {
 } | {
     "midplane": {"algorithm": "midplane"},
     **{f"midplane, stiffness = {k}": {"algorithm": {"use": "midplane", "stiffness": k}} for k in (3.0, 300.0)},
-    "barrier": {"algorithm": "barrier"},
+    **{
+        "barrier" + (f", dhat = {dhat}" if dhat != 0.05 else ""): {"algorithm": {"use": "barrier", "dhat": dhat}}
+        for dhat in (0.05, 0.005, 0.2)
+    },
     **{
         "gauss-point, penalty" + (f", factor = {factor}" if factor != 100.0 else ""): {
             "algorithm": "gauss-point", "enforcement": {"use": "penalty", "factor": factor},
         }
         for factor in (100.0, 10.0, 1000.0)
     },
+}  # fmt: skip
+LAWS: Final = {
     **{
         "gauss-point, passes = 2" + (f", factor = {factor}" if factor != 10.0 else ""): {
             "algorithm": {"use": "gauss-point", "passes": 2},
@@ -66,9 +71,18 @@ STATICS: Final = {
         }
         for factor in (10.0, 1.0, 100.0)
     },
+} | {
+    "linear-pressure" + (f", factor = {factor}" if factor != 10.0 else ""): {
+        "algorithm": "mortar-p1", "enforcement": {"use": "linear-pressure", "factor": factor},
+    }
+    for factor in (10.0, 1.0, 100.0)
+} | {
+    "exponential-pressure": {
+        "algorithm": "mortar-p1", "enforcement": {"use": "exponential-pressure", "clearance": 0.005},
+    },
 }  # fmt: skip
 METHODS: Final[Mapping[str, Mapping[str, Any]]] = {
-    **{name: {"algorithm": name} for name in PLAIN}, **CONES, **SMOOTH, **STATICS,
+    **{name: {"algorithm": name} for name in PLAIN}, **CONES, **SMOOTH, **STATICS, **LAWS,
 }  # fmt: skip
 """Keys of the contact by the name of a method."""
 SLAVES: Final = {"disc": False, "block": True}

@@ -222,6 +222,21 @@ def test_explicit_steps_follow_the_slope() -> None:
         assert step == pytest.approx((steps[0] ** -2 + square / 4.0) ** -0.5, rel=1e-9)
 
 
+@pytest.mark.parametrize("algorithm", some(["node-on-segment", "mortar-p0", "gauss-point"], ["node-on-segment"]))
+def test_a_node_of_a_long_segment_presses_on_a_light_one(algorithm: str) -> None:
+    """Two cells on seven: a node of the master carries one of the slave, 3.5 times as long. Runs diverged before."""
+    law = LAWS["linear"] | {"factor": 100.0}
+    scene = blocks(law, "central-difference", **{"bodies.lower.mesh.cells": [7, 1], "contacts.0.algorithm": algorithm})
+    plain, model = (
+        build(scene.with_({"contacts.0.enforcement": use}), default_registry()) for use in ("forward-increment", law)
+    )
+    square = 1.05 * 1.3 * 100.0 * BEHIND * (1.0 + 7.0 / 2.0) / (0.5 * RHO * HEIGHT)
+    expected = (plain.step_within(1.0) ** -2 + square / 4.0) ** -0.5
+    assert model.step_within(1.0) == pytest.approx(expected, rel=1e-9)
+    assert model.step_within(0.45) == pytest.approx(0.5 * expected, rel=1e-9)
+    done(scene)
+
+
 def test_stiff_laws_take_no_more_iterations_than_soft_ones() -> None:
     """A deep disc, 100 times as stiff as the cells: multipliers need 25; decided by gaps alone it takes 562."""
     way = {"level": 2, "integrator": {"use": "newton", "steps": 5}, "supports.1.uy.to": -0.1581, "record.frames": 1}

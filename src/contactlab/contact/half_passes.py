@@ -109,9 +109,7 @@ class HalfPassContactSystem(PressureContactSystem):
     made  rows of all passes; after a step `rows` counts the rows in reports
     """
 
-    def __init__(
-        self, pairs: tuple[ContactPair, ...], store: PressureStore, state: State, densities: list[float]
-    ) -> None:
+    def __init__(self, pairs: tuple[ContactPair, ...], store: PressureStore, state: State, densities: Floats) -> None:
         super().__init__(pairs, store, state, densities)
         slots, nodes = self.multipliers.shape[1], len(state["displacement"])
         self.of_pass = np.repeat(np.arange(len(pairs)), [pair.slots for pair in pairs])

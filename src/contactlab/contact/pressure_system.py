@@ -41,20 +41,21 @@ class PressureContactSystem(ConsistentContactSystem):
     with the motion of the step.
 
     store      the energy of the surfaces, with the law and the stiffness of the cells behind each slot
-    densities  of each pair, the sum of largest lengths over masses of both sides [mm/t]
+    densities  (pairs, 3) of each pair, largest length over mass of a node of the slave and of the master [mm/t], and
+               of the master over the length of its segments [1/t]
     allowed    (pairs,) [MPa/mm] steepest slope allowed by the step length; in the state, as steps follow it
+    longest    (pairs,) [mm] longest slave segments counted on a node of the master; in the state, too
+    rows_each  (pairs,) most constraints of a node, such as two in a corner of the master; in the state, too
     shear      (pairs,) [MPa/mm] shear per slip of pairs with friction by springs
     shared     True if a node belongs to several pairs, whose slopes then add up
     """
 
-    def __init__(
-        self, pairs: tuple[ContactPair, ...], store: PressureStore, state: State, densities: list[float]
-    ) -> None:
+    def __init__(self, pairs: tuple[ContactPair, ...], store: PressureStore, state: State, densities: Floats) -> None:
         super().__init__(pairs, PressureForces(store.law), state)
         self.store, self.law, self.stiffness, self.densities = store, store.law, store.stiffness, densities
         self.memory = store.memory
         self.shared = len(np.unique(nodes := np.concatenate([nodes_of(pair) for pair in pairs]))) < len(nodes)
-        self.allowed = state["contact_slope"]
+        self.allowed, self.longest, self.rows_each = state["contact_slope"]
         self.pressure, self.slope = np.zeros_like(self.stiffness), np.zeros_like(self.stiffness)
         self.shear = np.zeros(len(pairs))
 
@@ -107,6 +108,7 @@ class PressureContactSystem(ConsistentContactSystem):
 
         A motion of the nodes (u, v) of both sides changes gaps by u - Pv, with weights P that add up to one; so the
         energy of slopes s is at most s times length over mass of each side, summed, times the energy of the masses.
+        On a node of the master this is its own length, or that of a longer slave node which presses on it alone.
         """
         moved = 2.0 * AHEAD * step * float(np.abs(self.velocity).max(initial=0.0))
         if self.memory is not None and self.memory.dt == 0.0:
@@ -123,7 +125,11 @@ class PressureContactSystem(ConsistentContactSystem):
                 self.law.pressure(where, self.stiffness[own], size, pressure, slope, **named(self.memory, own))
                 steepest = max(steepest, float(-slope.min(initial=0.0)))
             self.allowed[number] = SPARE * steepest
-        squares = self.allowed * self.densities
+            near = pair.gaps[:, 0] < FAR
+            self.longest[number] = 0.0 if pair.half else size[near if near.any() else slice(None)].max()
+            self.rows_each[number] = max(1, _most(np.flatnonzero(near), pair))
+        slave, master, per_length = self.densities.T
+        squares = self.allowed * self.rows_each * (slave + np.maximum(master, self.longest * per_length))
         return float(squares.sum() if self.shared else squares.max())
 
     @property
@@ -151,13 +157,27 @@ class PressureContactSystem(ConsistentContactSystem):
 
     @property
     def stiffened(self) -> bool:
-        """True if a slope of the last step is steeper than `rate` allowed for."""
-        slot, slope = self.rows.slot[: self.rows.count], self.slope[: self.rows.count]
-        for pair, allowed in zip(self.passes, self.allowed, strict=True):
-            own = (slot >= pair.first_slot) & (slot < pair.first_slot + pair.slots)
-            if -slope[own].min(initial=0.0) > allowed:
+        """True if slopes, lengths or constraints of a node of the last step are above what `rate` allowed."""
+        count = self.rows.count
+        slot, slope, measure = self.rows.slot[:count], self.slope[:count], self.rows.measure[:count]
+        for number, pair in enumerate(self.passes):
+            own = (slot >= pair.first_slot) & (slot < pair.first_slot + pair.slots) & (slope < 0.0)
+            allowed, longest = self.allowed[number], self.longest[number]
+            if (
+                -slope[own].min(initial=0.0) > allowed
+                or _most(slot[own] - pair.first_slot, pair) > self.rows_each[number]
+            ):
+                return True
+            if longest > 0.0 and -(slope * measure)[own].min(initial=0.0) > allowed * longest:
                 return True
         return False
+
+
+def _most(slots: Ints, pair: ContactPair) -> int:
+    """Return the largest number of these constraints on a node."""
+    if pair.rows_per_node == 1:
+        return min(1, len(slots))
+    return int(np.bincount(slots % (pair.slots // pair.rows_per_node)).max(initial=0))
 
 
 def nodes_of(pair: ContactPair) -> Ints:

@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     from contactlab.contact.implicit_system import ImplicitContactSystem
 
 
+USUAL = 0.9  # default of time.fraction
+
 StepCall = Callable[[float, float], None]
 """Called with the end and the length [s] of a step."""
 
@@ -165,9 +167,12 @@ class Model(ABC):
         return min(limit.limit(self.position) for limit in self._limits)
 
     def step_within(self, fraction: float) -> float:
-        """Return `fraction` of the stable step of the bodies [s], or less if effects need it."""
+        """Return `fraction` of the stable step of the bodies [s], or less if effects and contact pressures need it.
+
+        Their limit has margins of its own, which fractions below the default of the scene increase.
+        """
         stable = self.stable_step()
-        return min(fraction * stable, self.rates(stable).limit(stable))
+        return min(fraction * stable, min(1.0, fraction / USUAL) * self.rates(stable).limit(stable))
 
     def rates(self, stable: float) -> EffectRates:
         """Return what limits explicit steps in addition to the bodies with stable step `stable` [s]."""

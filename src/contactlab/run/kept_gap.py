@@ -9,7 +9,7 @@ as the curve of the other side is in front of its facets, and of nodes that stan
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 import numpy as np
 from scipy.sparse.linalg import splu
@@ -17,13 +17,13 @@ from scipy.sparse.linalg import splu
 from contactlab.api import PointContact
 from contactlab.contact.corner_report import corner_pieces
 from contactlab.contact.operator_pair import OperatorPair
-from contactlab.contact.potential_pair import PotentialPair
 from contactlab.meshing.curves import distances_to_curve, distances_to_facets
 from contactlab.run.stability import linearised
 
 if TYPE_CHECKING:
     from contactlab.api import Floats, Ints
     from contactlab.contact.pair import ContactPair
+    from contactlab.contact.potential_pair import PotentialPair
     from contactlab.model.implicit_model import ImplicitModel
 
 HIGH = 0.01  # of a force or of the largest displacement
@@ -68,14 +68,17 @@ def kept_gaps(model: ImplicitModel, pairs: list[ContactPair], stored: float) -> 
             which takes a factorisation
     """
     assert model.contact is not None
-    found = [_of_potential(model, pair) if isinstance(pair, PotentialPair) else _of_gaps(model, pair) for pair in pairs]
+    found = [
+        _of_gaps(model, pair) if (potential := _potential(pair)) is None else _of_potential(model, potential)
+        for pair in pairs
+    ]
     if not sum(float(one.force @ np.abs(one.apart)) for one in found) > HIGH * stored > 0.0:
         return
     equations = linearised(model)
     closing, forces = np.zeros(len(model.state["multipliers"][0])), np.zeros(model.reference.size)
     for one in found:
-        if isinstance(one.pair, PotentialPair):
-            np.subtract.at(forces, one.pair.dof, one.pair.stiffness() @ _shift(one))
+        if (potential := _potential(one.pair)) is not None:
+            np.subtract.at(forces, potential.dof, potential.stiffness() @ _shift(one))
         else:
             closing[one.pair.own] = one.apart
     closing = np.where(equations.conditions < 0, 0.0, closing[equations.conditions])
@@ -137,8 +140,14 @@ def _shift(one: _Distances) -> Floats:
 
 def _share(one: _Distances, motion: Floats, added: Floats) -> float:
     """Share of the force on the slave that distances add, if closing them moves nodes by `motion` (2N,) [mm]."""
-    if not isinstance(one.pair, PotentialPair):
+    potential = _potential(one.pair)
+    if potential is None:
         return float(added[one.pair.own].sum() / one.force.sum())
-    m = len(one.pair.slave.nodes)
-    more = (one.pair.stiffness() @ (motion[one.pair.dof] + _shift(one))).reshape(-1, 2)[:m]
+    m = len(potential.slave.nodes)
+    more = (potential.stiffness() @ (motion[potential.dof] + _shift(one))).reshape(-1, 2)[:m]
     return -float((more * one.inward[:m]).sum() / one.force[:m].sum())
+
+
+def _potential(pair: ContactPair) -> PotentialPair | None:
+    """The pair if its forces come from an energy, told without the module of such pairs."""
+    return cast("PotentialPair", pair) if pair.by_energy else None

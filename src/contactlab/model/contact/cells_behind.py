@@ -68,11 +68,18 @@ def in_series(slave: Floats, master: Floats) -> Floats:
     return np.asarray(1.0 / (1.0 / slave + (1.0 / master).mean()))
 
 
-def length_over_mass(surface: Surface, positions: Floats, mass: Floats) -> float:
-    """Return the largest length of surface over mass [mm/t] of a node; 0 for rigid surfaces without mass."""
-    x = positions[surface.nodes[surface.segments]]
-    half = 0.5 * np.hypot(*(x[:, 1] - x[:, 0]).T)
-    length = np.zeros(len(surface.nodes))
-    np.add.at(length, surface.segments, half[:, None])
-    own = mass[surface.nodes]
-    return float(np.divide(length, own, out=np.zeros(len(own)), where=own > 0.0).max())
+def length_over_mass(slave: Surface, master: Surface, positions: Floats, mass: Floats) -> tuple[float, float, float]:
+    """Return the largest length over mass [mm/t] of a node of each side, the master's also per segment length [1/t].
+
+    An end of a chain has half of the length and of the mass of a node within it. Rigid surfaces without mass have 0.
+    """
+    found: list[float] = []
+    for side in (slave, master):
+        ends = positions[side.nodes[side.segments]]
+        lengths, own = np.hypot(*(ends[:, 1] - ends[:, 0]).T)[:, None], mass[side.nodes]
+        share, segment = np.zeros(len(own)), np.zeros(len(own))
+        np.add.at(share, side.segments, 0.5 * lengths)
+        np.maximum.at(segment, side.segments, lengths)
+        density = np.divide(share, own, out=np.zeros(len(own)), where=own > 0.0)
+        found += [float(density.max()), float((density / segment).max())]
+    return found[0], found[2], found[3]

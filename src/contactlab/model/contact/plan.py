@@ -171,7 +171,7 @@ def contact_shapes(plans: tuple[ContactPlan, ...], nodes: int) -> Mapping[str, t
     shapes: dict[str, tuple[int, ...]] = {"multipliers": (rows, sum(plan.slots for plan in plans))}
     shapes |= {"multipliers_before": shapes["multipliers"][1:], "contact_force": (nodes, 2)}
     if plans[0].explicit and isinstance(plans[0].enforcement, NormalLaw):
-        shapes["contact_slope"] = (len(plans),)
+        shapes["contact_slope"] = (3, len(plans))
     law = plans[0].enforcement
     if isinstance(law, NormalLaw) and "traction" not in law.needs and law.named():
         from contactlab.contact.pressure_memory import kept_by

@@ -252,8 +252,7 @@ def _pressure_system(
         memory = PressureMemory(law, pairs, state, reference)
     store = PressureStore(law, pairs, np.concatenate(stiffness), reference, memory)
     if plans[0].explicit:
-        mass = around.mass
-        densities = [sum(length_over_mass(side, reference, mass) for side in (p.slave, p.master)) for p in pairs]
+        densities = np.array([length_over_mass(p.slave, p.master, reference, around.mass) for p in pairs])
         if half:
             from contactlab.contact.half_passes import HalfPassContactSystem
 
