@@ -64,13 +64,11 @@ STATICS: Final = {
     },
 }  # fmt: skip
 LAWS: Final = {
-    **{
-        "gauss-point, passes = 2" + (f", factor = {factor}" if factor != 10.0 else ""): {
-            "algorithm": {"use": "gauss-point", "passes": 2},
-            "enforcement": {"use": "linear-pressure", "factor": factor},
-        }
-        for factor in (10.0, 1.0, 100.0)
-    },
+    "gauss-point, passes = 2" + (f", factor = {factor}" if factor != 10.0 else ""): {
+        "algorithm": {"use": "gauss-point", "passes": 2},
+        "enforcement": {"use": "linear-pressure", "factor": factor},
+    }
+    for factor in (10.0, 1.0, 100.0)
 } | {
     "linear-pressure" + (f", factor = {factor}" if factor != 10.0 else ""): {
         "algorithm": "mortar-p1", "enforcement": {"use": "linear-pressure", "factor": factor},
