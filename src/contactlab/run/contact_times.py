@@ -31,7 +31,12 @@ class ContactTimes:
         self.springs = not model.contact.enforcement.exact
         self.numbers: Floats = np.array([np.nan, model.kinetic_energy(), 0.0, 0.0, np.inf, 0.0, np.inf])
 
-    def follow(self, step: Step, dt: float) -> None:
+    @property
+    def memory(self) -> dict[str, Floats]:
+        """Arrays that change during the run, by name."""
+        return {"contact_times": self.numbers}
+
+    def follow(self, step: Step, dt: float, jumped: bool) -> None:
         """Look at the state after an accepted step of length dt [s]."""
         state, n = self.model.state, self.numbers
         n[CUT] = n[CUT] or step.longest is not None
@@ -50,7 +55,7 @@ class ContactTimes:
             n[BEGUN], n[LEAST] = np.nan, np.inf
         n[KINETIC], n[WORKED], n[CUT] = self.model.kinetic_energy(), work, 0.0
 
-    def warnings(self, key: str) -> Iterator[RunWarning]:
+    def warnings(self, key: str, now: float) -> Iterator[RunWarning]:
         """Warn of the shortest impact, if few wished steps make it; `key` is where the scene says how long they are."""
         lasted, kept = float(self.numbers[SHORTEST]), bool(self.numbers[EVER])
         limit, number = (SPRUNG if self.springs else FEW) if kept else FRONT, lasted / self.wished

@@ -1,4 +1,4 @@
-"""Steps whose lengths follow their errors: rejection of steps, and the end of the next step."""
+"""Lengths of steps: rejection by their errors, the end of the next one, and what to write for shorter ones."""
 
 from __future__ import annotations
 
@@ -52,3 +52,11 @@ def within(dt: float, rest: float) -> float:
     """A step of at most dt that meets the end of the time `rest`, without a sliver before."""
     number = max(1, math.ceil(rest / dt * (1.0 - NEARLY)))
     return rest / number if number <= 2 else dt
+
+
+def better_steps(key: str, now: float, times: float) -> str:
+    """In words, `now` of the key that fixes steps (their number, or their length) for steps so many times as short."""
+    if key == "time.step":
+        return f"{now / times:.2g} or less"
+    unit = 10.0 ** max(math.floor(math.log10(now * times)) - 1.0, 0.0)
+    return f"{int(unit * math.ceil(now * times / unit - 1e-9))} or more"

@@ -23,9 +23,10 @@ import numpy as np
 from scipy.sparse import block_array, csc_array, diags_array
 from scipy.sparse.linalg import splu
 
-from contactlab.api import Floats, FrictionBound, Ints, Response, RunWarning
+from contactlab.api import Floats, FrictionBound, Ints, Response, RunWarning, Step
 from contactlab.api.arrays import Flags
 from contactlab.api.frame import STICK
+from contactlab.run.controlled_step import better_steps
 
 if TYPE_CHECKING:
     from contactlab.model.implicit_model import ImplicitModel
@@ -60,7 +61,12 @@ class FrictionError:
         self.contact.evaluate(model.position)
         self._take_gaps()
 
-    def follow(self, jumped: bool = False) -> None:
+    @property
+    def memory(self) -> dict[str, Floats]:
+        """Arrays that change during the run, by name."""
+        return {"friction_error": self.numbers, "rolled": self.rolled}
+
+    def follow(self, step: Step, dt: float, jumped: bool) -> None:
         """Look at the conditions of an accepted step; one that `jumped` was made in short substeps."""
         c, n = self.contact.conditions, self.numbers
         pressed = c.present & (c.force[0] > 0.0)
@@ -91,24 +97,34 @@ class FrictionError:
                 rolled[LAST] = rolled[STEPS]
 
     def _hold(self, touched: Ints, beside: Ints, closing: Floats, sticks: Flags) -> None:
-        """Set the slips before contact: of the nearest open node in `beside`, or of each node in the step before.
+        """Set the slips before contact, from the slip per closing of a gap.
 
-        Two that are equally near count with their mean: around the first touch of a curve they slide to opposite sides.
+        Two witnesses: the nearest open nodes in `beside`, in this step, which stand further out and slide more; and the
+        node itself in the step before, when less was pressed and it slid less. Their geometric mean counts.
+        Two open nodes that are equally near count with their mean: around the first touch of a curve they slide to
+        opposite sides.
         """
         c, n = self.contact.conditions, self.numbers
+        gap, slip = n[GAP, touched], c.slip[touched]
+        before, known = self._until(gap, n[CLOSED, touched], n[SLID, touched]), n[CLOSED, touched] > 0.0
         if len(beside):
             apart = np.abs(beside - touched[:, None])
             nearest = apart == apart.min(axis=1, keepdims=True)
             closed, slid = (nearest @ values[beside] / nearest.sum(axis=1) for values in (closing, c.slip))
-        else:
-            closed, slid = n[CLOSED, touched], n[SLID, touched]
-        share = np.divide(n[GAP, touched], closed, out=np.zeros(len(touched)), where=closed > 0.0)
-        before, slip = np.minimum(share, 1.0) * slid, c.slip[touched]
+            others = self._until(gap, closed, slid)
+            mean = np.sign(others) * np.sqrt(np.maximum(before * others, 0.0))
+            before = np.where(known, mean, others)
         all_before = (before * slip > 0.0) & (np.abs(before) > np.abs(slip))
         held = np.where(sticks[touched], before, np.where(all_before, before - slip, 0.0))
         # the forces with and without it are both within the bound, and this far apart at most
         most = 2.0 * self._limits(touched) / c.stiffness[touched]
         n[HELD, touched] = np.clip(held, -most, most)
+
+    @staticmethod
+    def _until(gap: Floats, closed: Floats, slid: Floats) -> Floats:
+        """Return the slips (n,) [mm] in which gaps close, if one that closes by `closed` slides by `slid`."""
+        share = np.divide(gap, closed, out=np.zeros(len(gap)), where=closed > 0.0)
+        return np.asarray(np.minimum(share, 1.0) * slid)
 
     def _take_gaps(self) -> None:
         c = self.contact.conditions
@@ -134,7 +150,7 @@ class FrictionError:
             normal, shear = (float(np.linalg.norm(row)) for row in force[:, pair.own])
             share = float(np.linalg.norm(change[pair.own])) / max(shear, SMALL * normal, 1e-300)
             if share > HIGH:
-                better = _better(key, now, share / HIGH)
+                better = better_steps(key, now, share / HIGH)
                 yield RunWarning(
                     "friction-steps", share, HIGH, key,
                     f"{pair.name}: surfaces closed within load steps, and friction also acts on the slip before they "
@@ -151,7 +167,7 @@ class FrictionError:
                     f"{pair.name}: surfaces roll on each other, and a step exchanges {share:.0%} of the contact (limit "
                     f"{PASSAGE:.0%}): nodes that enter it count slips of the whole step, so tangential forces and the "
                     f"work of friction have errors of some per cent or more; write {key} = "
-                    f"{_better(key, now, share / PASSAGE)}",
+                    f"{better_steps(key, now, share / PASSAGE)}",
                 )  # fmt: skip
 
     def _change(self) -> Floats:
@@ -198,14 +214,3 @@ class FrictionError:
             y, limit = c.force[1, pressed], self._limits(pressed)
             found[pressed] = np.clip(y + solved[-len(pressed) :], -limit, limit) - y
         return found
-
-
-def _better(key: str, now: float, times: float) -> str:
-    """Steps so many times as short, in words."""
-    return f"{now / times:.2g} or less" if key == "time.step" else f"{_more(now * times)} or more"
-
-
-def _more(steps: float) -> int:
-    """A number of steps, rounded upwards to two figures."""
-    unit = 10.0 ** max(np.floor(np.log10(steps)) - 1.0, 0.0)
-    return int(unit * np.ceil(steps / unit - 1e-9))

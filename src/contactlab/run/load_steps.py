@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
 
@@ -20,8 +20,6 @@ from contactlab.run.swings import Swing, frame_warnings, step_warnings
 if TYPE_CHECKING:
     from contactlab.contact.implicit_system import ImplicitContactSystem
     from contactlab.model.implicit_model import ImplicitModel
-    from contactlab.run.contact_times import ContactTimes
-    from contactlab.run.friction_error import FrictionError
 
 CUT, GROW = 0.5, 2.0  # of the step that failed, after one that converged easily
 FLOWING = 0.3, 1.5  # the same of bodies that flow: their steps start from the last one, and are best like it
@@ -39,6 +37,20 @@ AFTER_JUMP = 1.0 / 32.0  # of a step: the first one after a load has jumped, of 
 CREEPS = 1.0 / 256.0  # of the wished step: with shorter steps a run does not end if every longer attempt fails
 CREPT = 20  # such steps in a row, after which it is given up
 NEARLY = 1e-9  # of a step: differences below it are round-off
+
+
+class StepError(Protocol):
+    """Estimates what the length of steps does to the results."""
+
+    @property
+    def memory(self) -> dict[str, Floats]:
+        """Arrays that change during the run, by name."""
+
+    def follow(self, step: Step, dt: float, jumped: bool) -> None:
+        """Look at an accepted step of length dt [s]; one that `jumped` was made in short substeps."""
+
+    def warnings(self, key: str, now: float) -> Iterator[RunWarning]:
+        """Warn of large errors; `key` of the scene says how many steps there are, or how long, `now`."""
 
 
 class LoadSchedule(Schedule):
@@ -83,19 +95,24 @@ class LoadSchedule(Schedule):
         self.failed: Step | None = None  # the last attempt, where it failed
         self.crept = 0  # accepted steps in a row that are very short, and whose longer attempt failed
         self.stabilised = StabilisedSteps(cast("ImplicitModel", self.model))
-        self.contact_times: ContactTimes | None = None
-        if integrator.inertia and self.model.contact is not None:
-            from contactlab.run.contact_times import ContactTimes
+        self.step_errors = list(self._step_errors())
+        return self._length()
 
-            self.contact_times = ContactTimes(self.model, self.wished * total)
-        self.friction_error: FrictionError | None = None
-        if (contact := self._contact()) is not None and any(
-            linear.pair.friction is not None for linear in contact.linear
-        ):
+    def _step_errors(self) -> Iterator[StepError]:
+        """What estimates the errors of this run by the length of its steps."""
+        model, contact = self.model, self._contact()
+        if contact is not None and any(linear.pair.friction is not None for linear in contact.linear):
             from contactlab.run.friction_error import FrictionError
 
-            self.friction_error = FrictionError(cast("ImplicitModel", self.model))
-        return self._length()
+            yield FrictionError(cast("ImplicitModel", model))
+        if model.integrator.inertia and model.contact is not None:
+            from contactlab.run.contact_times import ContactTimes
+
+            yield ContactTimes(model, self.wished * self.timing.last)
+        if model.integrator.inertia and self.timing.end is not None and not self.swings:
+            from contactlab.run.phase_error import PhaseError
+
+            yield PhaseError(model)
 
     def _too_many(self, number: float, integrator: ImplicitIntegrator) -> SceneError:
         timing, most = self.timing, f"at most {MOST:.0f} steps in a run"
@@ -167,10 +184,8 @@ class LoadSchedule(Schedule):
         """Follow an accepted step: longer again if it converged easily."""
         self.crept = self.crept + 1 if self.failed is not None and self.part < CREEPS * self.wished else 0
         self.failed, jumped = None, self.stabilised.replaces is not None
-        if self.contact_times is not None:
-            self.contact_times.follow(step, dt)
-        if self.friction_error is not None:
-            self.friction_error.follow(jumped)
+        for error in self.step_errors:
+            error.follow(step, dt, jumped)
         self.stabilised.follow()
         if jumped:
             self._begin_anew()
@@ -333,10 +348,8 @@ class LoadSchedule(Schedule):
         """Judge as every run; warn of results that depend on the path of jumps, and of steps that are long or few."""
         super().verdict()
         key = "integrator.steps" if self.fixed is None else "time.step"
-        if self.friction_error is not None:
-            self.model.warnings.add(*self.friction_error.warnings(key, self.fixed or 1.0 / self.wished))
-        if self.contact_times is not None:
-            self.model.warnings.add(*self.contact_times.warnings(key))
+        for error in self.step_errors:
+            self.model.warnings.add(*error.warnings(key, self.fixed or 1.0 / self.wished))
         if not (self.stabilised.dissipates_little() or self.model.integrator.inertia):
             self.model.warnings.add(*self._few_steps())
         self.model.warnings.add(*self.stabilised.warnings())
@@ -346,11 +359,7 @@ class LoadSchedule(Schedule):
         own = {"schedule.load": np.array([self.part, self.model.way_followed, self.crept, *self.stabilised.saved()])}
         if (contact := self._contact()) is not None:
             own["schedule.freedom"] = np.append(contact.freedom, contact.pace)
-        if self.friction_error is not None:
-            own["schedule.friction_error"] = self.friction_error.numbers.copy()
-            own["schedule.rolled"] = self.friction_error.rolled.copy()
-        if self.contact_times is not None:
-            own["schedule.contact_times"] = self.contact_times.numbers.copy()
+        own |= {f"schedule.{name}": a.copy() for error in self.step_errors for name, a in error.memory.items()}
         return super().saved() | own
 
     def restore(self, memory: Mapping[str, Floats]) -> None:
@@ -362,11 +371,9 @@ class LoadSchedule(Schedule):
         self.stabilised.restore(load[3:])
         if (contact := self._contact()) is not None:
             contact.freedom[:], contact.pace = memory["schedule.freedom"][:-1], float(memory["schedule.freedom"][-1])
-        if self.friction_error is not None:
-            self.friction_error.numbers[:] = memory["schedule.friction_error"]
-            self.friction_error.rolled[:] = memory["schedule.rolled"]
-        if self.contact_times is not None:
-            self.contact_times.numbers[:] = memory["schedule.contact_times"]
+        for error in self.step_errors:
+            for name, array in error.memory.items():
+                array[:] = memory[f"schedule.{name}"]
 
 
 def repeats(before: Step, step: Step) -> bool:
