@@ -44,9 +44,10 @@ def cause_of_failure(model: Model, scene: Scene, trace: Sequence[Iteration], dt:
         or _tipping(model, scene)
         or _at_a_corner(model, scene, changed)
         or _unstable(model, dt)
+        or _over_a_vertex(model, scene, changed)
         or _cycling(model, scene, changed)
         or _at_a_corner(model, scene, _closed(model))
-        or _over_a_vertex(model, scene)
+        or _over_a_vertex(model, scene, _closed(model))
         or "no equilibrium found; try the other side as slave (swap), another algorithm, or shorter steps"
     )
 
@@ -139,13 +140,13 @@ def _at_a_corner(model: Model, scene: Scene, nodes: Sequence[_Node]) -> str:
     return ""
 
 
-def _over_a_vertex(model: Model, scene: Scene) -> str:
-    """Report the pressed node that lies nearest to a vertex of a master that turns, if conditions are set at nodes.
+def _over_a_vertex(model: Model, scene: Scene, nodes: Sequence[_Node]) -> str:
+    """Report the one of some slave nodes that lies nearest over a vertex where its master turns.
 
-    The force of such a node jumps from one segment's normal to the next.
+    If conditions are set at nodes, the force of such a node jumps from one segment's normal to the next.
     """
     found: list[tuple[float, ContactPair, Floats, float]] = []
-    for node in _closed(model):
+    for node in nodes:
         pair, point = node.pair, node.position(model)
         if not isinstance(pair.method, PointContact) or pair.method.points:
             continue

@@ -97,34 +97,28 @@ class FrictionError:
                 rolled[LAST] = rolled[STEPS]
 
     def _hold(self, touched: Ints, beside: Ints, closing: Floats, sticks: Flags) -> None:
-        """Set the slips before contact, from the slip per closing of a gap.
+        """Set the slips before contact: of each node as it slid and closed in the step before.
 
-        Two witnesses: the nearest open nodes in `beside`, in this step, which stand further out and slide more; and the
-        node itself in the step before, when less was pressed and it slid less. Their geometric mean counts.
-        Two open nodes that are equally near count with their mean: around the first touch of a curve they slide to
-        opposite sides.
+        Nodes that were out of reach then slide like the nearest in `beside`, which are still open. Two that are equally
+        near count with their mean: around the first touch of a curve they slide to opposite sides.
         """
         c, n = self.contact.conditions, self.numbers
-        gap, slip = n[GAP, touched], c.slip[touched]
-        before, known = self._until(gap, n[CLOSED, touched], n[SLID, touched]), n[CLOSED, touched] > 0.0
+        closed, slid, slip = n[CLOSED, touched], n[SLID, touched], c.slip[touched]
         if len(beside):
             apart = np.abs(beside - touched[:, None])
             nearest = apart == apart.min(axis=1, keepdims=True)
-            closed, slid = (nearest @ values[beside] / nearest.sum(axis=1) for values in (closing, c.slip))
-            others = self._until(gap, closed, slid)
-            mean = np.sign(others) * np.sqrt(np.maximum(before * others, 0.0))
-            before = np.where(known, mean, others)
+            others = (nearest @ values[beside] / nearest.sum(axis=1) for values in (closing, c.slip))
+            closed, slid = (
+                np.where(n[CLOSED, touched] > 0.0, own, other)
+                for own, other in zip((closed, slid), others, strict=True)
+            )
+        share = np.divide(n[GAP, touched], closed, out=np.zeros(len(touched)), where=closed > 0.0)
+        before = np.minimum(share, 1.0) * slid
         all_before = (before * slip > 0.0) & (np.abs(before) > np.abs(slip))
         held = np.where(sticks[touched], before, np.where(all_before, before - slip, 0.0))
         # the forces with and without it are both within the bound, and this far apart at most
         most = 2.0 * self._limits(touched) / c.stiffness[touched]
         n[HELD, touched] = np.clip(held, -most, most)
-
-    @staticmethod
-    def _until(gap: Floats, closed: Floats, slid: Floats) -> Floats:
-        """Return the slips (n,) [mm] in which gaps close, if one that closes by `closed` slides by `slid`."""
-        share = np.divide(gap, closed, out=np.zeros(len(gap)), where=closed > 0.0)
-        return np.asarray(np.minimum(share, 1.0) * slid)
 
     def _take_gaps(self) -> None:
         c = self.contact.conditions

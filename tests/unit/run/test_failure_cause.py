@@ -156,6 +156,12 @@ def test_a_pressed_node_over_a_vertex_of_a_round_master_is_told(algorithm: str, 
     if told:
         assert reason.startswith(f"near ({float(f'{vertex[0]:.4g}'):g}, ")
         assert "try contacts.0.swap = false, or a mortar" in reason
+    # more steps do not help a node that switches there, and do elsewhere
+    for restless_node, there in ((node, told), (node + 5, False)):
+        trace = restless(model, pair.first_slot + restless_node, states=(1, 2))
+        reason = cause_of_failure(model, scene, trace, 0.1)
+        assert ("over a vertex" in reason) is there
+        assert ("more integrator.steps" in reason) is not there
 
 
 @pytest.mark.parametrize(("share", "buckles"), [(0.9, False), (1.1, True)])
