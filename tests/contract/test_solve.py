@@ -10,10 +10,13 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 from contactlab_statics.implicit_dynamics import ImplicitDynamics
+from from_source import changed
 from tiers import some
 
+import contactlab
 from contactlab.api import WORK, ImplicitIntegrator, ImplicitMotion
 from contactlab.errors import WrongAnswer
+from contactlab.parts.registry import Registry
 from contactlab.testing import integrator, integrator_contact
 from contactlab.testing.assertions import Check, NotApplicable
 from contactlab.testing.integrator import MASS, START, STIFFNESS
@@ -34,6 +37,17 @@ def of_page(*changes: str) -> Any:
     return space["GeneralisedAlpha"]
 
 
+OUTSIDE = Path(__file__).parents[1] / "outside"
+TWO_STAGES = "integrator outside two-stages/src/two_stages/integrator.py:TwoStages"
+
+
+def two_stages(*changes: str) -> Any:
+    """The composite scheme of tests/outside, with pieces of its code exchanged."""
+    space: dict[str, Any] = {"__name__": __name__}
+    exec(changed(TWO_STAGES, changes), space)
+    return space["TwoStages"]
+
+
 SLOW = (  # thousands of steps; the amplification is tested below, contact by the balances, wrong schemes are caught
     integrator.energy_is_bounded, integrator_contact.contact_makes_no_energy,
     integrator_contact.friction_takes_the_energy_of_what_slides, integrator_contact.pressed_masses_rest,
@@ -42,18 +56,47 @@ SLOW = (  # thousands of steps; the amplification is tested below, contact by th
 )  # fmt: skip
 
 
+@pytest.mark.parametrize("make", [of_page, two_stages])
 @pytest.mark.parametrize("check", [check for check in integrator.CHECKS if check not in SLOW])
-def test_generalised_alpha_of_the_page_keeps_all_duties(check: Check) -> None:
+def test_schemes_of_the_page_keep_all_duties(check: Check, make: Any) -> None:
     try:
-        check(of_page()())
+        check(make()())
     except NotApplicable:
         assert check is integrator_contact.statics_are_in_equilibrium
 
 
 @pytest.mark.full
+@pytest.mark.parametrize("make", [of_page, two_stages])
 @pytest.mark.parametrize("check", SLOW)
-def test_generalised_alpha_of_the_page_passes_the_long_checks(check: Check) -> None:
-    check(of_page()())
+def test_schemes_of_the_page_pass_the_long_checks(check: Check, make: Any) -> None:
+    check(make()())
+
+
+def test_two_stages_are_of_second_order_in_a_run_with_contact() -> None:
+    """Plates that a growing load keeps together, through half of a swing: differences of runs fall to a quarter."""
+    registry = Registry(files=[OUTSIDE / "two-stages" / "src" / "two_stages" / "integrator.py"])
+
+    def end(steps: int) -> Any:
+        mesh = {"use": "rectangle", "x": [0.0, 2.0]}
+        body = {"element": "q1", "material": "m"}
+        results = contactlab.simulate(contactlab.Scene.from_data({
+            "integrator": {"use": "two-stages", "steps": steps}, "time": {"end": SWING},
+            "materials": {"m": {"use": "neo-hookean", "young": 1000.0, "poisson": 0.0, "density": 1e-6}},
+            "bodies": {
+                "plate": body | {"mesh": mesh | {"y": [0.0, 1.0], "cells": [4, 1]}},
+                "base": body | {"mesh": mesh | {"y": [-1.0, 0.0], "cells": [5, 1]}},
+            },
+            "contacts": [{"slave": "plate.bottom", "master": "base.top", "algorithm": "mortar-p1"}],
+            "supports": [{"on": "base.bottom", "ux": 0.0, "uy": 0.0}],
+            "loads": [{"on": "plate.top", "pressure": {"ramp": "parabola", "to": 50.0, "duration": SWING}}],
+        }, registry=registry))  # fmt: skip
+        assert results.status == "finished"
+        assert results.summary["contacts"]["contacts.0"]["active"] == 5
+        return results.displacement
+
+    coarse, middle, fine = (end(steps) for steps in (20, 40, 80))
+    # 4 in the limit; terms of the next order are a tenth at these steps
+    assert np.abs(coarse - middle).max() > 3.5 * np.abs(middle - fine).max()
 
 
 @pytest.mark.parametrize("radius", [0.0, 0.5, 1.0])
@@ -66,6 +109,7 @@ def test_radius_is_the_amplification_of_the_highest_frequencies(radius: float) -
     assert np.abs(left).max() < 1e-6 * np.abs(u).max()
 
 
+SWING = 1.3e-4  # [s] 4 H/c of both heights, H = 2, c = sqrt(E/rho), is a whole one
 WRONG = [
     (integrator.converges_at_its_order, "at=1 - alpha_f", "at=1.0"),
     (integrator.converges_at_its_order, "a[:] = motion.acceleration()", "pass"),
@@ -142,7 +186,7 @@ class Misused(ImplicitIntegrator):
     ("flaw", "words"),
     [
         ("never", "Misused: its step does not solve, needed: motion.solve() once in each step"),
-        ("twice", "Misused: its step solves twice, needed: motion.solve() once in each step"),
+        ("twice", "Misused: its step solves twice, needed: motion.solve() once in each step; a scheme of several stages"),
         ("by halves", "needed: velocity and acceleration if the class has inertia, else neither"),
         ("no single rate", "changes by -10 to 10 with it, needed: an affine one, with one rate > 0"),
         ("beyond the step", "Misused: solve got at = 1.5, lead = 0.0, needed: 0 < at <= at + lead <= 1"),

@@ -71,7 +71,7 @@ def packages_in(folder: Path) -> list[Path]:
 @pytest.mark.full
 def test_strangers_join_every_command(tmp_path: Path) -> None:
     packages = packages_in(tmp_path)
-    assert len(packages) == 1 + len(KINDS) + 7
+    assert len(packages) == 1 + len(KINDS) + 8
     python = fresh_environment(tmp_path, packages)
     told, of_tests = told_by(python, tmp_path, [path for path in packages if (path / "tests").exists()])
     passed = int(re.findall(r"(\d+) passed", of_tests)[0])

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contactlab.api.arrays import XX, XY, YY, Floats
+from contactlab.api.compiled.late import late
 
 if TYPE_CHECKING:
     from contactlab.api.material import Material
@@ -63,29 +64,13 @@ def fastest_modulus(moduli: Floats) -> float:
 def stiffening_of_waves(law: Material, gradient: Floats, out: Floats) -> None:
     """Fill out (P,) with the fastest wave's modulus over its value at rest, for "finite" laws without own history.
 
-    For a plane wave along n with displacement u the acoustic tensor is Q u = d(stress) n under the motion u n^T, on the
-    current geometry (Ogden 1984, 6.4). Its largest eigenvalue is searched in some directions, and a bound for the
-    directions between two of them is added.
+    It is searched in some directions, and a bound for the directions between two of them is added.
     """
     points = gradient.shape[1]
     tangent, history = np.empty((4, 4, points)), np.zeros((law.history_size, points))
     law.tangent(gradient, history, 0.0, tangent)
-    most, least = np.full(points, -np.inf), np.full(points, np.inf)
-    for angle in np.arange(DIRECTIONS) * np.pi / DIRECTIONS:
-        n = np.array([np.cos(angle), np.sin(angle)])
-        found = _fastest(tangent, gradient.reshape(2, 2, points), n)
-        np.maximum(most, found, out=most)
-        np.minimum(least, found, out=least)
+    angle = np.arange(DIRECTIONS) * 2.0 * np.pi / DIRECTIONS  # twice those of the waves
+    parts, most, least = np.empty((9, points)), np.empty(points), np.empty(points)
+    waves = late("contactlab.kernels.waves").waves
+    waves(np.ascontiguousarray(gradient), tangent, np.cos(angle), np.sin(angle), parts, most, least)
     out[:] = (most + BETWEEN * (most - least)) / (law.density * law.wave_speeds()[0] ** 2)
-
-
-def _fastest(tangent: Floats, gradient: Floats, n: Floats) -> Floats:
-    """Return the largest eigenvalue (P,) of the acoustic tensor along n."""
-    acoustic = []
-    for k in range(2):
-        # F' = (1 + u n^T) F changes F^-1 by -F^-1 u n^T; here u is along coordinate k
-        change = -(gradient[:, k, None] * n[None, :, None]).reshape(4, -1)
-        stress = np.einsum("ijp,jp->ip", tangent, change)
-        acoustic.append((stress[XX] * n[0] + stress[XY] * n[1], stress[XY] * n[0] + stress[YY] * n[1]))
-    (xx, yx), (xy, yy) = acoustic
-    return np.asarray(0.5 * (xx + yy) + np.hypot(0.5 * (xx - yy), 0.5 * (xy + yx)))

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any, ClassVar, Literal
 
 from contactlab.api.arrays import Floats
-from contactlab.api.formulas import array_method, formulas_of, install
+from contactlab.api.formulas import Formula, array_method, formulas_of, install
 
 Kinematics = Literal["small", "finite", "rate"]
 
@@ -24,11 +24,24 @@ def _rows(need: str) -> tuple[str, ...]:
     return ("x", "y") if need == "position" else (need,)
 
 
+def _same_measure(kind: type[Material], formulas: Mapping[str, Formula]) -> None:
+    """Raise TypeError if a formula of a law names a deformation of other kinematics: all of them get the same one."""
+    given = [name for name, kinematics in _KINEMATICS.items() if kinematics == getattr(kind, "kinematics", None)]
+    for name in _FORMULAS:
+        for argument in formulas[name].arguments if name in formulas and given else ():
+            if argument in _KINEMATICS and argument not in given:
+                raise TypeError(
+                    f"{kind.__name__}.{name}: got the argument {argument}, allowed: {given[0]}, as kinematics is "
+                    f"{kind.kinematics!r} ({formulas[name].place})"
+                )
+
+
 class Material(ABC):
     """A plane-strain material model (law). Subclasses are frozen dataclasses; their fields are the TOML keys.
 
     A law is written by formulas, `stress(F, p)` and perhaps `energy(F, p)` of a point (docs/parts/material.md), from
-    which the core makes all methods below, or by `stress` of a block of points in NumPy or numba.
+    which the core makes all methods below, or by `stress` of a block of points in NumPy or numba. Each formula may have
+    an array method in its place.
 
     density        [t/mm3], a field of every law
     kinematics     meaning of the `gradient` argument, and geometry on which forces act:
@@ -77,12 +90,14 @@ class Material(ABC):
             cls.history_names, cls.history_size = (*own, *rows), len(own) + len(rows)
         arguments = (*_ARGUMENTS, *cls.needs)
         install(cls, Material, dict.fromkeys(_FORMULAS, arguments), "contactlab.formulas.laws")
-        stress = formulas_of(cls).get("stress")
-        if stress is None:
+        formulas = formulas_of(cls)
+        cls.has_energy = cls.has_energy or "energy" in formulas
+        if "stress" in formulas and "kinematics" not in vars(cls):
+            named = formulas["stress"].arguments
+            cls.kinematics = next(kind for name, kind in _KINEMATICS.items() if name in named)
+        _same_measure(cls, formulas)
+        if "stress" not in formulas:
             return
-        if "kinematics" not in vars(cls):
-            cls.kinematics = next(kind for name, kind in _KINEMATICS.items() if name in stress.arguments)
-        cls.has_energy = cls.has_energy or "energy" in formulas_of(cls)
         for name in ("tangent", "wave_speeds"):
             if getattr(cls, name) is getattr(Material, name):
                 setattr(cls, name, array_method(getattr(Material, name), "contactlab.formulas.laws", name))

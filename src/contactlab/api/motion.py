@@ -60,7 +60,7 @@ class ImplicitMotion(Protocol):
     def solve(
         self, velocity: OfMotion | None = None, acceleration: OfMotion | None = None, at: float = 1.0, lead: float = 0.0
     ) -> Floats:
-        """Find the end of the step with balanced forces and satisfied contact; once in each step.
+        """Find the end of the step with balanced forces and satisfied contact; once in each step, or stage of a scheme.
 
         velocity      at the end of the step, acceleration  in the balance of forces: affine functions of the motion
                       (N, 2) [mm] in the step, as the scheme relates them. Statics have neither

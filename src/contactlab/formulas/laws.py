@@ -38,7 +38,8 @@ class _Kernels:
     def __init__(self, kind: type[Material]) -> None:
         self.kind, self.formulas = kind, formulas_of(kind)
         self.memory: Any = namedtuple("Memory", kind.history_names) if kind.history_size else None
-        remembers = self.memory is not None or "dt" in self.formulas["stress"].arguments
+        stress = self.formulas.get("stress")  # None: by hand
+        remembers = self.memory is not None or (stress is not None and "dt" in stress.arguments)
         self.template = points.step if remembers else points.stress
         self.parameters = parameters_of(kind)
 

@@ -72,7 +72,10 @@ class SolvedMotion:
     ) -> Floats:
         """See `contactlab.api.ImplicitMotion`."""
         if self.outcome is not None:
-            raise WrongAnswer(f"{self.name}: its step solves twice, needed: motion.solve() once in each step")
+            raise WrongAnswer(
+                f"{self.name}: its step solves twice, needed: motion.solve() once in each step; a scheme of several "
+                "stages makes each a step, and finds the next one in its memory"
+            )
         if (velocity is None or acceleration is None) == ("velocity" in self.state):
             raise WrongAnswer(
                 f"{self.name}: its step solves for motion by halves, needed: velocity and acceleration if the class "
