@@ -186,7 +186,7 @@ class Misused(ImplicitIntegrator):
     ("flaw", "words"),
     [
         ("never", "Misused: its step does not solve, needed: motion.solve() once in each step"),
-        ("twice", "Misused: its step solves twice, needed: motion.solve() once in each step; a scheme of several stages"),
+        ("twice", "Misused: its step solves twice, needed: motion.solve() once in each step; a scheme of"),
         ("by halves", "needed: velocity and acceleration if the class has inertia, else neither"),
         ("no single rate", "changes by -10 to 10 with it, needed: an affine one, with one rate > 0"),
         ("beyond the step", "Misused: solve got at = 1.5, lead = 0.0, needed: 0 < at <= at + lead <= 1"),
