@@ -76,7 +76,8 @@ def _checked_in_python(parts: Sequence[Subject], only: Sequence[str]) -> int:
     with FormulaLines() as lines:
         parts = [part for part in parts if formulas_of(part.part_class)]
         if not parts:
-            raise RequestError("none of these parts has formulas", where="--python", hint="omit the option")
+            hint = "omit the option: all but formulas and kernels is plain Python anyway"
+            raise RequestError("none of these parts has formulas", where="--python", hint=hint)
         for part in parts:
             lines.watch(part.part_class)
         units = [check.__name__ for part in parts for check in checks_for(part.kind)]
