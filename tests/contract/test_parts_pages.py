@@ -137,6 +137,15 @@ def test_public_names_only_grow() -> None:
     assert {f"contactlab.api.{name}" for name in own} <= set(STORED.read_text().split()), "python public_names.py"
 
 
+def test_every_public_name_stands_on_a_page() -> None:
+    """On that of its kind, or in the table of the contract."""
+    from contactlab.api import __all__ as own
+
+    pages = [PARTS.parent / "write-a-plugin.md", *PARTS.glob("*.md")]
+    said = set(re.findall(r"\w+", "".join(page.read_text() for page in pages)))
+    assert sorted(set(own) - said) == []
+
+
 def _module(name: str) -> bool:
     try:
         importlib.import_module(name)

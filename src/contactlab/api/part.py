@@ -37,6 +37,12 @@ NEW_IN_2: Final[Mapping[str, str]] = {
 }
 """Changes that parts of version 1 need, by kind."""
 
+INSTEAD: Final[Mapping[str, str]] = {
+    name: f'forces = "{forces}"' for name, forces in
+    (("conjugate", "consistent"), ("conjugate_where", "consistent"), ("conjugate_in", "auto"))
+}  # fmt: skip
+"""Names of enforcements that earlier forms of version 2 had, and what is declared in their place."""
+
 MOVED_IN_2: Final[Mapping[str, str]] = {
     **{f"contactlab.api.{name}": f"contactlab.api.compiled.{name}"
        for name in ("bound_arrays", "kernel", "late", "unpack")},

@@ -21,7 +21,7 @@ from contactlab.api.material import Material
 from contactlab.api.measure import RunMeasure
 from contactlab.api.mesh import MeshSource
 from contactlab.api.normal_law import NormalLaw, NormalNeed
-from contactlab.api.part import NEW_IN_2
+from contactlab.api.part import INSTEAD, NEW_IN_2
 from contactlab.api.potential import Potential
 from contactlab.api.recorder import Recorder
 from contactlab.api.reference import ReferenceSolution
@@ -74,8 +74,14 @@ def _faults(kind: str, target: object) -> list[str]:
     return [
         *_missing_methods(target), *_missing_attributes(target),
         *(wrong_values(target) or _memory_without_use(target) or _other_arguments(target)),
-        *_unread(target), *_misspelt(target), *_not_a_record(target),
+        *_unread(target), *_misspelt(target), *_replaced(target), *_not_a_record(target),
     ]  # fmt: skip
+
+
+def _replaced(target: type) -> list[str]:
+    """Names that nothing reads any more, where parts written before would go wrong in silence."""
+    names = INSTEAD if issubclass(target, Enforcement) else {}
+    return [f"it has {name}, which is not read; to change: {names[name]}" for name in names if hasattr(target, name)]
 
 
 def _missing_methods(target: type) -> list[str]:

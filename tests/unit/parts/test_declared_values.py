@@ -47,6 +47,12 @@ def changed(base: type, name: str, value: Any) -> type:
     return dataclass(frozen=True)(type("Changed", (base,), {name: value, "__module__": __name__}))
 
 
+@pytest.mark.parametrize(("base", "name"), [(ForwardIncrement, "conjugate"), (Penalty, "conjugate_in")])
+def test_names_that_nothing_reads_any_more_are_refused_with_what_takes_their_place(base: type, name: str) -> None:
+    (fault,) = faults("enforcement", changed(base, name, property(lambda part: True)))
+    assert fault.startswith(f"it has {name}, which is not read; to change: forces = ")
+
+
 @pytest.mark.parametrize(("kind", "base", "name", "value", "allowed"), WRONG)
 def test_a_wrong_value_is_refused_with_what_is_allowed(
     kind: str, base: type, name: str, value: Any, allowed: str

@@ -18,7 +18,7 @@ which separations and pressures are reported. The core makes conditions, forces 
 
 Two things are left to say, and each is a formula below. *Which part of a slave segment sees a master segment?* A slave
 point looks along the normals of its nodes, each the average of the segments that meet there, interpolated between them:
-this field is continuous, so the slave sees no point twice and leaves out none. **Which functions weigh the gap?* They
+this field is continuous, so the slave sees no point twice and leaves out none. *Which functions weigh the gap?* They
 differ between P0, P1 and dual. Where parts begin and end, integrals have kinks; between these they are
 polynomials, so Gauss points find them exactly, and forces of both sides are the same to round-off: an even pressure
 passes.
