@@ -18,6 +18,7 @@ from contactlab.kernels.contact.rub import push, rub, start_slips
 
 AHEAD = 2.0  # steps for which the slope is bounded
 SPARE = 1.3  # margin on the slope of the step length: within it no step has to be shortened
+CLOSING = 2.0  # margin of springs that close and open again: near the stable step each time gives or takes energy
 TOLERANCE, SWEEPS = 1e-10, 200  # of friction: segment lengths, and most Gauss-Seidel iterations
 
 
@@ -129,7 +130,7 @@ class PressureContactSystem(ConsistentContactSystem):
             self.longest[number] = 0.0 if pair.half else size[near if near.any() else slice(None)].max()
             self.rows_each[number] = max(1, _most(np.flatnonzero(near), pair))
         slave, master, per_length = self.densities.T
-        squares = self.allowed * self.rows_each * (slave + np.maximum(master, self.longest * per_length))
+        squares = CLOSING * self.allowed * self.rows_each * (slave + np.maximum(master, self.longest * per_length))
         return float(squares.sum() if self.shared else squares.max())
 
     @property
