@@ -93,8 +93,8 @@ class Material(ABC):
         formulas = formulas_of(cls)
         cls.has_energy = cls.has_energy or "energy" in formulas
         if "stress" in formulas and "kinematics" not in vars(cls):
-            named = formulas["stress"].arguments
-            cls.kinematics = next(kind for name, kind in _KINEMATICS.items() if name in named)
+            measures = formulas["stress"].arguments
+            cls.kinematics = next(kind for name, kind in _KINEMATICS.items() if name in measures)
         _same_measure(cls, formulas)
         if "stress" not in formulas:
             return
