@@ -128,7 +128,7 @@ class PressureContactSystem(ConsistentContactSystem):
             self.allowed[number] = SPARE * steepest
             near = pair.gaps[:, 0] < FAR
             self.longest[number] = 0.0 if pair.half else size[near if near.any() else slice(None)].max()
-            self.rows_each[number] = max(1, _most(np.flatnonzero(near), pair))
+            self.rows_each[number] = max(1, _most(np.flatnonzero(near).astype(np.int32), pair))
         slave, master, per_length = self.densities.T
         squares = CLOSING * self.allowed * self.rows_each * (slave + np.maximum(master, self.longest * per_length))
         return float(squares.sum() if self.shared else squares.max())

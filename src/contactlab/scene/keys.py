@@ -189,7 +189,10 @@ class Ramp:
     def __post_init__(self) -> None:
         times = [time for time, _ in self.points]
         if self.ramp == "table" and self.file is None and not (len(times) > 1 and _rising(times)):
-            raise ValueError(f"points: got {self.points}, allowed: at least two points at increasing times")
+            raise ValueError(
+                f"points: got {self.points}, allowed: at least two points at increasing times, also "
+                "for a jump: times that differ by a thousandth of a step, or less"
+            )
         if self.points and (self.ramp != "table" or self.file is not None):
             raise ValueError(f'points: got {self.points}, allowed: only with ramp = "table", without a file')
         if self.file is not None and self.ramp != "table":
