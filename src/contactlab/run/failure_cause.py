@@ -10,7 +10,7 @@ import numpy as np
 
 from contactlab.api import Conditions, Floats, FrictionBound, Iteration, PointContact, StepStatus, Surface
 from contactlab.api.frame import SLIP, STICK
-from contactlab.model.loading.held_bodies import MOTIONS, free_motions, hold, loose_motions
+from contactlab.model.loading.held_bodies import MOTIONS, driven, free_motions, hold, loose_motions, unbalanced
 from contactlab.run.coordinates import coordinates
 
 if TYPE_CHECKING:
@@ -25,6 +25,7 @@ TURNS = 0.1  # degrees by which a master turns at a vertex: at less the force ha
 OVER = 0.02  # of a segment, by which a node is beside a vertex that it goes to and fro over
 LAST = 8  # iterations whose changes of contact states count
 FILLET = 3.0  # segments: the radius that a snap fit needed to get past a corner
+LARGEST = 1.0  # of the extent of a side: a larger fillet has no room
 AT_CORNER = 1.0  # in the longest segment next to a corner
 SLOPE = 0.05  # of the resistance: normals that lean by deformation resist sliding a little, but do not hold
 USED = 0.9  # of the friction that a contact can carry: above this the load is near its limit
@@ -42,6 +43,7 @@ def cause_of_failure(model: Model, scene: Scene, trace: Sequence[Iteration], dt:
     return (
         _friction_used_up(model, scene)
         or _tipping(model, scene)
+        or _unbalanced(model, dt)
         or _at_a_corner(model, scene, changed)
         or _unstable(model, dt)
         or _over_a_vertex(model, scene, changed)
@@ -52,14 +54,19 @@ def cause_of_failure(model: Model, scene: Scene, trace: Sequence[Iteration], dt:
     )
 
 
-def nothing_holds(model: Model) -> str:
-    """Say in statics which bodies are free, or held only by friction without pressure; empty if all is held."""
+def nothing_holds(model: Model, dt: float = 0.0) -> str:
+    """Say in statics which bodies are free, or held only by friction without pressure; empty if all is held.
+
+    dt  [s] length of the step that failed. Friction is not too weak if nothing pushes a body along it.
+    """
     if model.integrator.inertia:
         return ""
     model = cast("ImplicitModel", model)
     if not (loose := loose_motions(model)):
         return ""
     if not (never := loose_motions(model, pressed=False)):
+        if not driven(model, model.state.time + dt):
+            return ""
         told = [f"{body} against {' or '.join(motions)}" for body, motions in loose.items()]
         return (
             f"only friction holds {', and '.join(told)}, and it is too weak from the start: the tangential load "
@@ -132,10 +139,16 @@ def _at_a_corner(model: Model, scene: Scene, nodes: Sequence[_Node]) -> str:
         for name, surface in ((master, pair.master), (slave, pair.slave)):
             for corner, angle, length in _corners(model.position, surface):
                 if np.hypot(*(corner - point)) <= AT_CORNER * length:
+                    room = float(np.ptp(model.position[surface.nodes], axis=0).max())
+                    large = FILLET * length > LARGEST * room
+                    fillet = (
+                        f"cells there of at most {LARGEST / FILLET * room:.2g} ({length:.2g} now), and a fillet"
+                        if large
+                        else f"a fillet of about {FILLET * length:.2g}"
+                    )
                     return (
                         f"{_place(model, scene, pair, corner)}: {name} has a sharp corner there ({angle:.0f} degrees), "
-                        f"where the direction of contact forces jumps; try a fillet of about {FILLET * length:.2g} "
-                        f"({FILLET:.0f} segments)"
+                        f"where the direction of contact forces jumps; try {fillet} ({FILLET:.0f} segments)"
                     )
     return ""
 
@@ -234,6 +247,18 @@ def _tipping(model: Model, scene: Scene) -> str:
                 "load, a wider contact, or a support"
             )
     return ""
+
+
+def _unbalanced(model: Model, dt: float) -> str:
+    """Report bodies whose loads no pressures of the nodes that touch balance, if no step was possible."""
+    if model.integrator.inertia or model.state.step:
+        return ""
+    if not (found := unbalanced(cast("ImplicitModel", model), model.state.time + dt)):
+        return ""
+    return (
+        f"no pressures of the nodes that touch, with their friction, balance the loads of {' and '.join(found)}: what "
+        "stands there tips, slides or lifts off; try finer cells at the ends of these contacts, a mortar, or a support"
+    )
 
 
 def _bodies(scene: Scene, pair: ContactPair) -> set[str]:

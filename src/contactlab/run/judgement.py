@@ -21,6 +21,7 @@ from contactlab.run.coordinates import coordinates
 from contactlab.run.end_lengths import end_lengths
 
 if TYPE_CHECKING:
+    from contactlab.contact.implicit_system import ImplicitContactSystem
     from contactlab.contact.pair import ContactPair
     from contactlab.model.implicit_model import ImplicitModel
     from contactlab.model.model import Model
@@ -36,6 +37,9 @@ FEW = 6  # nodes: of a disc on a plane five or fewer press if its facets are as 
 PEAK = 0.1  # multipliers above nodal pressures: with 3 nodes in a Hertz contact 34 to 52 %, with 5 2 to 6 %
 DIPPED = 4  # nodes: as many do not resolve a pressure that is highest at its edges and falls to zero beyond
 LEAN, FLAT = 0.01, 1e-3  # of a force: what pressed nodes on a curve may be off by; rad: a flat side turns by less
+WITHIN = 0.1  # of the largest force of the run: pressing a side out of the other would take as much
+BEYOND = 0.05  # of a segment: the gap that weak constraints leave, by which contact forces have a torque
+NEARLY = 1e-9  # of a force: round-off
 STUCK = 1e-8  # segments: the tolerance of sticking
 ENOUGH = 3  # pressed conditions: one or two in the middle of a symmetric pair may have no shear
 
@@ -61,10 +65,12 @@ def judge(
         force = model.state["multipliers"][0]  # fits without a load touch with round-off
         if not any(closed[one.own].any() or (force[one.own] > 0.0).any() for one in (pair, pair.points) if one):
             model.warnings.add(_never_closed(model, pair, report))
-        elif report.largest > judged_from(model, pair, largest_force):
+        elif not report.largest > judged_from(model, pair, largest_force):
+            model.warnings.add(*_open_within(model, pair, report, largest_force))
+        else:
             model.warnings.add(*_coarse_facets(model, pair, report.curve), *_few_nodes(model, pair, report))
             _judge_friction(model, pair)
-            model.warnings.add(*end_lengths(model, pair))
+            model.warnings.add(*end_lengths(model, pair), *_outside_cover(model, pair, report.resultant))
             # on flat sides that do not match, distances of nodes are no error: their averages are zero
             sides = pair.slave, pair.master
             judged = not model.integrator.inertia and pair.start_distance is None
@@ -112,6 +118,55 @@ def _never_closed(model: Model, pair: ContactPair, report: ContactReport) -> Run
         f"end, at {place}; check the direction and size of displacements by supports and loads, or remove "
         "the contact",
     )  # fmt: skip
+
+
+def _open_within(model: Model, pair: ContactPair, report: ContactReport, largest_force: float) -> Iterator[RunWarning]:
+    """Warn of statics whose contact closed and carries nothing at the end, although one side lies within the other.
+
+    largest_force  [N] of the run. Facets of curves that do not touch may overlap by their depth.
+    """
+    if model.integrator.inertia or pair.start_distance is not None or pair.by_energy:
+        return
+    depth = report.max_penetration
+    depth -= sum(float(facet_depths(side, model.reference).max(initial=0.0)) for side in (pair.slave, pair.master))
+    conditions = cast("ImplicitContactSystem", model.contact).conditions
+    stiffness = conditions.stiffness[pair.own][conditions.present[pair.own]]
+    if not len(stiffness) or not depth * float(stiffness.min()) > WITHIN * largest_force:
+        return
+    yield RunWarning(
+        "open-contact", -report.max_penetration, 0.0, pair.name,
+        f"{pair.name}: it carries no force at the end, yet the {report.penetrating_side} lies up to "
+        f"{report.max_penetration:.4g} within the other side: its conditions, at points or in the mean over segments, "
+        "do not see so small a part of them; halve the cells of both sides there, or exchange slave and master (swap)",
+    )  # fmt: skip
+
+
+def _outside_cover(model: Model, pair: ContactPair, resultant: Floats) -> Iterator[RunWarning]:
+    """Warn if the line of a contact's resultant (2,) [N] passes beside the place where both sides face each other.
+
+    Pressures have their resultant between the ends of what they act on; nodal forces may lie beyond them, where the end
+    of the master covers a part of a segment, and hold a body that tips. Slave nodes on which other contacts act as well
+    are not judged.
+    """
+    x, force = model.position[pair.slave.nodes], model.state["contact_force"][pair.slave.nodes]
+    size, total = float(np.hypot(*resultant)), force.sum(axis=0)
+    if not np.hypot(*(total - resultant)) < NEARLY * size:
+        return
+    up = total / size
+    along = np.array([up[1], -up[0]])
+    pressed = np.hypot(*force.T) > NEARLY * size
+    at = float((x[:, 0] * force[:, 1] - x[:, 1] * force[:, 0]).sum()) / size
+    spread = float(np.abs(force @ along).sum() * np.ptp(x[pressed] @ up)) / size
+    sides = [model.position[side.nodes] @ along for side in (pair.slave, pair.master)]
+    first, last = max(float(side.min()) for side in sides), min(float(side.max()) for side in sides)
+    beyond = (max(first - at, at - last) - spread) / pair.size
+    if beyond > BEYOND:
+        yield RunWarning(
+            "outside-cover", beyond, BEYOND, f"{pair.name}.algorithm",
+            f"{pair.name}: the resultant of its forces acts {beyond * pair.size:.3g} beyond the end of the surfaces "
+            f"that face each other, {beyond:.0%} of a segment (limit {BEYOND:.0%}), which no pressure can do: a body "
+            "that should tip may stand; halve the cells there, or put nodes of the slave at the ends of the master",
+        )  # fmt: skip
 
 
 def _judge_pressure(name: str, share: float, step: int) -> None:

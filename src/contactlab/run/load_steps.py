@@ -10,6 +10,7 @@ import numpy as np
 
 from contactlab.api import Floats, ImplicitIntegrator, RunWarning, Step
 from contactlab.errors import SceneError, SimulationFailure
+from contactlab.model.loading.declared import courses_in
 from contactlab.model.timing import A_PERIOD
 from contactlab.run.controlled_step import next_stop, within
 from contactlab.run.load_path import LoadPath, TimePath, corners, load_jumps
@@ -36,6 +37,7 @@ NUMBER = re.compile(r"[\d.]+(e[+-]?\d+)?")
 AFTER_JUMP = 1.0 / 32.0  # of a step: the first one after a load has jumped, of which it takes the mean of both ends
 CREEPS = 1.0 / 256.0  # of the wished step: with shorter steps a run does not end if every longer attempt fails
 CREPT = 20  # such steps in a row, after which it is given up
+BESIDE = 0.002  # of an end: a value that stands so far from the share of the loading is named
 NEARLY = 1e-9  # of a step: differences below it are round-off
 
 
@@ -280,9 +282,25 @@ class LoadSchedule(Schedule):
 
         of = "time" if self.model.integrator.inertia else "load"
         done = f"stopped at {100.0 * self.share(self.state.time):.4g} % of the {of}, after step {self.state.step}"
-        why = nothing_holds(self.model) or cause_of_failure(self.model, self.scene, step.trace, tried)
+        done += self._values_beside_share()
+        why = nothing_holds(self.model, tried) or cause_of_failure(self.model, self.scene, step.trace, tried)
         attempt = f"step of {tried:.3g} from time {self.state.time:.6g} failed, {how}: {step.reason}"
         return SimulationFailure("not-converged", f"{done}, {why} ({attempt})")
+
+    def _values_beside_share(self) -> str:
+        """Name the values of statics that stand at another fraction of their end than the loading, such as rotations.
+
+        The loading advances by the largest change of any value, or of any coordinate that a rotation moves.
+        """
+        if self.model.integrator.inertia:
+            return ""
+        told, share = [], self.share(self.state.time)
+        for key, _, course in courses_in(self.scene):
+            value = course.bind(self.timing.ramps)
+            now, end = value(self.state.time), value(self.timing.last)
+            if not course.steady and end and abs(now / end - share) > BESIDE:
+                told.append(f"{key} at {100.0 * now / end:.4g} %")
+        return f", with {' and '.join(told)}" if told else ""
 
     def share(self, time: float) -> float:
         """Fraction of the loading that is done at a time [s], 0 to 1; of its ramp if the end is open."""

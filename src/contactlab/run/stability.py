@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 SINGULAR = 1e-9  # of a matrix whose entries are of size 1: the sign of a smaller pivot is round-off
 SYMMETRIC = 1e-9  # alike: pivots of a less symmetric matrix give the parity only
 SPARE, ITERATIONS = 4, 20  # motions more than sought, so that those sought converge by a factor of ten in each
+REAL = 1e-6  # a softness with more of an imaginary part belongs to a motion that turns, not to one that leaves
+EVEN = 2  # motions sought where an even number may leave
 HELD = 1e-4  # of a row of conditions: less of it on free nodes is how the length of a segment changes, not a gap
 NEUTRAL = 1e-3  # facets leave 2e-4 with five pressed nodes; a column 0.3 % above its buckling load has as much
 
@@ -58,7 +60,8 @@ def unstable(model: ImplicitModel, mesh: str = "") -> Iterator[RunWarning]:
 def unstable_motions(model: ImplicitModel) -> int:
     """Independent motions that lead away from the equilibrium, at least; 0 if it is stable, or unknown.
 
-    With friction and follower loads the matrix is not symmetric: an odd number is returned as 1, an even number as 0.
+    With friction and follower loads the matrix is not symmetric: an odd number is returned as 1, and an even number is
+    what an iteration finds.
     Nodes that friction holds or lets slide count as held: a motion found is then unstable all the more without it.
     Motions that only the turning of contact normals makes unstable do not count: each corner of a rigid polygon that
     presses a node has one, however smooth the surface that it stands for.
@@ -79,23 +82,13 @@ def unstable_motions(model: ImplicitModel) -> int:
 def _neutral_motions(model: ImplicitModel, equations: Linearised, leaving: int) -> int:
     """Count the `leaving` motions that only facets make unstable, such as round bodies rolling between smooth plates.
 
-    Found by inverse iteration on a subspace. A motion u is neutral if its stiffness is small compared with the
-    stiffness of forces that turn with it, sum(p) |u|^2 / L, L the size of what moves, |u|^2 the mean over its nodes.
+    A motion u is neutral if its stiffness is small compared with the stiffness of forces that turn with it,
+    sum(p) |u|^2 / L, L the size of what moves, |u|^2 the mean over its nodes.
     """
     assert model.contact is not None
-    free = int(np.count_nonzero(equations.free))
-    try:
-        factors = splu(csc_array(equations.matrix))
-    except RuntimeError:
-        return 0
-    basis = np.random.default_rng(0).standard_normal((free, min(free, leaving + SPARE)))
-    right = np.zeros((equations.matrix.shape[0], basis.shape[1]))
-    for _ in range(ITERATIONS):
-        right[:free] = np.linalg.qr(basis)[0]
-        basis = factors.solve(right)[:free]
-    soft, shape = np.linalg.eig(right[:free].T @ basis)  # one over the stiffness of a motion, and its shape
+    soft, shape = _softest(equations, leaving)
     moved = np.zeros((model.reference.size, len(soft)))
-    moved[equations.free] = np.abs(right[:free] @ shape)
+    moved[equations.free] = np.abs(shape)
     square = (moved.reshape(-1, 2, len(soft)) ** 2).sum(axis=1)
     square /= square.sum(axis=0)  # (N, m)
     place = model.position.reshape(-1, 2)
@@ -105,21 +98,67 @@ def _neutral_motions(model: ImplicitModel, equations: Linearised, leaving: int) 
     return int(np.count_nonzero((soft.real < 0.0) & (-NEUTRAL * turning * soft.real > 1.0)))
 
 
+def _softest(equations: Linearised, number: int) -> tuple[Any, Any]:
+    """Softness (m,) [mm/N] of the softest motions of free degrees of freedom, and these motions (n, m), both complex.
+
+    Found by inverse iteration on a subspace of a few motions more than the `number` sought; none of a singular matrix.
+    """
+    free = int(np.count_nonzero(equations.free))
+    try:
+        factors = splu(csc_array(equations.matrix))
+    except RuntimeError:
+        return np.zeros(0), np.zeros((free, 0))
+    basis = np.random.default_rng(0).standard_normal((free, min(free, number + SPARE)))
+    right = np.zeros((equations.matrix.shape[0], basis.shape[1]))
+    for _ in range(ITERATIONS):
+        right[:free] = np.linalg.qr(basis)[0]
+        basis = factors.solve(right)[:free]
+    soft, shape = np.linalg.eig(right[:free].T @ basis)
+    return soft, right[:free] @ shape
+
+
 def _negative_directions(equations: Linearised) -> int:
-    """Negative pivots beyond the conditions; by their parity if the matrix is not symmetric."""
+    """Negative pivots beyond the conditions; by their parity if rows were exchanged, as in a matrix without symmetry.
+
+    Where the parity is even those that leave are counted among the softest motions.
+    """
     matrix, conditions = _scaled(equations.matrix), len(equations.conditions)
+    pivots = _pivots(matrix)
+    if pivots is None:
+        return 0
+    if pivots.in_place and abs(matrix - matrix.T).max() <= SYMMETRIC:
+        return max(0, pivots.negative - conditions)
+    if (pivots.odd + conditions) % 2:
+        return 1
+    soft, _ = _softest(equations, EVEN)
+    return int(np.count_nonzero((soft.real < 0.0) & (np.abs(soft.imag) < REAL * np.abs(soft))))
+
+
+class _Pivots(NamedTuple):
+    """Signs of the pivots of a matrix.
+
+    negative  number of negative ones
+    odd       1 if the determinant is negative, 0 if it is positive
+    in_place  whether rows were exchanged as columns were, so that signs are those of eigenvalues if it is symmetric
+    """
+
+    negative: int
+    odd: int
+    in_place: bool
+
+
+def _pivots(matrix: Any) -> _Pivots | None:
+    """Factorise a matrix whose entries are of size 1; None if it is singular."""
     try:
         factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=1e-3, options={"SymmetricMode": True})
     except RuntimeError:
-        return 0
+        return None
     pivots = factors.U.diagonal()
     if (np.abs(pivots) <= SINGULAR).any():
-        return 0
+        return None
     negative = int(np.count_nonzero(pivots < 0.0))
-    kept = np.array_equal(factors.perm_r, factors.perm_c)
-    if kept and abs(matrix - matrix.T).max() <= SYMMETRIC:
-        return max(0, negative - conditions)
-    return (negative + _parity(factors.perm_r) + _parity(factors.perm_c) + conditions) % 2
+    odd = (negative + _parity(factors.perm_r) + _parity(factors.perm_c)) % 2
+    return _Pivots(negative, odd, np.array_equal(factors.perm_r, factors.perm_c))
 
 
 def linearised(model: ImplicitModel, normals_turn: bool = True) -> Linearised:

@@ -55,6 +55,9 @@ def test_used_up_friction_is_a_limit_load() -> None:
     share = 100.0 * results.summary["reached"]["share"]
     assert share == pytest.approx(100.0 * (4.0 + 0.8 * 2.5) / 6.5, abs=0.1)
     assert results.reason.startswith(f"stopped at {share:.4g} % of the load, after step ")
+    # where values end at times of their own, the share of the loading is none of theirs
+    assert ", with loads.0.ty at 100 % and loads.1.tx at " in results.reason
+    assert float(results.reason.partition("loads.1.tx at ")[2].split()[0]) == pytest.approx(80.0, abs=0.1)
     told = re.search(r"block\.bottom on floor: friction of contacts\.0 carries ([0-9.]+)% of its limit", results.reason)
     assert told, results.reason
     assert float(told[1]) > 99.0
@@ -95,6 +98,16 @@ def test_friction_that_is_too_little_from_the_start_is_named(algorithm: str) -> 
     })  # fmt: skip
     reason = simulate(scene).reason
     assert "only friction holds block against sliding along x, and it is too weak from the start" in reason
+
+
+def test_friction_is_not_blamed_for_a_body_that_tips_from_the_start() -> None:
+    """Pressed straight down with its middle 0.1 beyond the end of the floor: nothing pushes it along."""
+    scene = pushed(0.5, 0.0).with_({
+        "contacts.0.algorithm": "node-on-segment", "rigid.floor.line": [[0.9, 0.0], [-2.0, 0.0]],
+    })  # fmt: skip
+    reason = simulate(scene).reason
+    assert "no pressures of the nodes that touch, with their friction, balance the loads of block" in reason
+    assert "too weak" not in reason
 
 
 def built(changes: dict[str, Any] | None = None) -> tuple[Model, Scene]:
@@ -138,6 +151,11 @@ def test_a_restless_node_at_a_corner_of_the_master_names_the_corner() -> None:
     told = cause_of_failure(model, scene, restless(model, 2), 0.1)
     assert told.startswith("near (1, 0), block.bottom on floor: floor has a sharp corner there (90 degrees)")
     assert told.endswith("try a fillet of about 1.5 (3 segments)")
+    # three segments of a floor that is 1 wide and high have no room on it
+    scene = scene.with_({"rigid.floor.line": [[1.0, -1.0], [1.0, 0.0], [0.0, 0.0]]})
+    model = build(scene, default_registry())
+    told = cause_of_failure(model, scene, restless(model, 2), 0.1)
+    assert told.endswith("try cells there of at most 0.33 (0.5 now), and a fillet (3 segments)")
     assert "corner" not in cause_of_failure(model, scene, restless(model, 0), 0.1)
 
 

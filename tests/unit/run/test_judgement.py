@@ -72,6 +72,67 @@ def test_a_contact_that_closed_and_opened_again_is_not_open() -> None:
     assert "open-contact" not in [w.code for w in results.warnings]
 
 
+@pytest.mark.parametrize(("algorithm", "told"), [("mortar-p1", [-0.02, -0.02]), ("node-on-segment", [])])
+def test_a_side_within_the_other_without_a_force_is_told(algorithm: str, told: list[float]) -> None:
+    """A pin of half width 0.9 to 1.02 in a slot of half width 1: one node of each flank lies within.
+
+    Held there the pin needs 50 N. Over the 0.28 of its segment the gap goes from -0.02 to 0.04: its mean with the hat
+    of that node is zero.
+    """
+    elastic = {"use": "neo-hookean", "poisson": 0.3, "density": 1e-9}
+    rubs = {"use": "coulomb", "mu": 0.2}
+    corners = [[-0.9, 0.05], [0.9, 0.05], [1.02, 0.6], [-1.02, 0.6]]
+    bodies: dict[str, Any] = {
+        "pin": {"element": "q1", "material": "pin", "mesh": {"use": "quad-block", "corners": corners, "cells": [6, 2]}}
+    }
+    for name, x in (("left", [-4.0, -1.0]), ("right", [1.0, 4.0])):
+        mesh = {"use": "rectangle", "x": x, "y": [-3.0, 0.0], "cells": [6, 6]}
+        bodies[name] = {"element": "q1-fbar", "material": "jaw", "mesh": mesh}
+    scene = Scene.from_data({
+        "integrator": "newton",
+        "materials": {"pin": {**elastic, "young": 2e4}, "jaw": {**elastic, "young": 1e4}},
+        "bodies": bodies,
+        "supports": [
+            {"on": "pin.top", "ux": 0.0, "uy": {"ramp": "linear", "to": -1.9}},
+            {"on": "left.left", "ux": 0.0, "uy": 0.0},
+            {"on": "right.right", "ux": 0.0, "uy": 0.0},
+        ],
+        "contacts": [
+            {"slave": f"pin.{side}", "master": master, "algorithm": algorithm, "friction": rubs}
+            for side, master in (("left", ["left.right", "left.top"]), ("right", ["right.top", "right.left"]))
+        ],
+        "record": {"frames": 1, "recorders": []},
+    })  # fmt: skip
+    results = simulate(scene)
+    assert results.status == "finished"
+    held = abs(results.summary["reactions"]["pin.top"][1])
+    assert held == pytest.approx(0.0 if told else 50.3, rel=0.01, abs=1e-6)
+    assert [w.value for w in results.warnings if w.code == "open-contact"] == pytest.approx(told, rel=0.01)
+
+
+@pytest.mark.parametrize(("share", "told"), [(0.97, []), (1.03, [0.15])])
+@pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1"])
+def test_a_body_that_stands_beside_its_support_is_told(algorithm: str, share: float, told: list[float]) -> None:
+    """Its middle is beyond the end of the base by 0.03 x 4, 0.15 of its segments of 0.8."""
+    end = share * 4.0
+    meshes = {"block": ([end - 8.0, end], [0.0, 1.0]), "base": ([-8.0, 0.0], [-1.0, 0.0])}
+    results = simulate(Scene.from_data({
+        "integrator": "newton",
+        "materials": {"m": {"use": "linear-elastic", "young": 1e5, "poisson": 0.3, "density": 1e-9}},
+        "bodies": {
+            name: {"element": "q1", "material": "m", "mesh": {"use": "rectangle", "x": x, "y": y, "cells": [10, 2]}}
+            for name, (x, y) in meshes.items()
+        },
+        "supports": [{"on": "base.bottom", "ux": 0.0, "uy": 0.0}],
+        "effects": [{"use": "gravity", "acceleration": [0.0, -9810.0], "on": ["block"]}],
+        "contacts": [{"slave": "block.bottom", "master": "base.top", "algorithm": algorithm,
+                      "friction": {"use": "coulomb", "mu": 0.5}}],
+        "record": {"frames": 1, "recorders": []},
+    }))  # fmt: skip
+    assert results.status == "finished"
+    assert [w.value for w in results.warnings if w.code == "outside-cover"] == pytest.approx(told, rel=0.01)
+
+
 @pytest.mark.parametrize("share", [0.1, 0.3])
 def test_a_pressure_of_another_force_stops_a_run(share: float) -> None:
     if share < judgement.WRONG:

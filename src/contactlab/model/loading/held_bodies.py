@@ -64,12 +64,24 @@ def loose_motions(
     least     resistance below this share of the largest resistance does not count
     pressed   True if friction needs a force; otherwise a law and touch are enough
     """
-    bodies = [body for body in model.bodies if free_motions(body, model.prescribed)]
+    bodies = _unheld(model)
     if not bodies:
         return {}
-    modes = np.zeros((model.reference.size, 3 * len(bodies)))
+    _, free = _loose(model, bodies, friction, least, pressed)
+    found: dict[str, tuple[str, ...]] = {}
     for number, body in enumerate(bodies):
-        modes[2 * body.first : 2 * (body.first + body.count), 3 * number : 3 * number + 3] = _rigid_modes(body)
+        share = np.linalg.norm(free[:, 3 * number : 3 * number + 3], axis=0)  # of each free motion
+        if (most := float(share.max(initial=0.0))) > FREE:
+            alike = (1.0 - FREE) * most
+            found[body.name] = tuple(motion for motion, own in zip(MOTIONS, share, strict=True) if own >= alike)
+    return found
+
+
+def _loose(
+    model: ImplicitModel, bodies: list[Body], friction: bool, least: float, pressed: bool
+) -> tuple[Floats, Floats]:
+    """Rigid motions (2N, 3b) of bodies, and combinations (m, 3b) of them without resistance (`loose_motions`)."""
+    modes = _modes(model, bodies)
     rows = [modes[model.prescribed.dof]]
     if model.loading.loads:
         stiffness = model.stiffness(0.0)
@@ -89,14 +101,58 @@ def loose_motions(
             rows.append((across @ modes)[np.searchsorted(np.flatnonzero(closed), sticks)])
         rows += [row @ modes for pair in model.contact.potentials for row in _held_by(pair, model, friction, pressed)]
     _, sizes, directions = np.linalg.svd(np.concatenate(rows))
-    free = directions[int((sizes > least * max(1.0, sizes.max(initial=0.0))).sum()) :]
-    found: dict[str, tuple[str, ...]] = {}
+    return modes, directions[int((sizes > least * max(1.0, sizes.max(initial=0.0))).sum()) :]
+
+
+def driven(model: ImplicitModel, time: float) -> bool:
+    """Return whether loads at a `time` [s] push bodies along motions that friction alone resists, or supports move."""
+    moved = model.prescribed
+    if np.any(moved.scale * moved.values(time)[moved.ramp]):
+        return True
+    force = np.zeros_like(model.reference)
+    model.external_force(time, force)
+    modes, free = _loose(model, _unheld(model), True, RANK, True)
+    return bool(np.any(np.abs(free @ (modes.T @ force.ravel())) > RANK * np.abs(force).sum()))
+
+
+def unbalanced(model: ImplicitModel, time: float) -> list[str]:
+    """Names of bodies whose loads at a `time` [s] no forces within the friction cones of touching nodes balance.
+
+    Bodies are taken as rigid, and nodes as touching as they are now; potentials and bodies with other supports, or
+    moved ones, are not judged.
+    """
+    from scipy.optimize import nnls
+
+    contact, bodies = model.contact, [body for body in _unheld(model) if len(free_motions(body, model.prescribed)) == 3]
+    if contact is None or contact.potentials or not bodies:
+        return []
+    modes = _modes(model, bodies)
+    force = np.zeros_like(model.reference)
+    model.external_force(time, force)
+    contact.evaluate(model.position)
+    c = contact.conditions
+    closed = np.flatnonzero(c.present & ((c.force[0] > 0.0) | (c.gap <= TOUCHING * c.size))).astype(np.int32)
+    along, across = contact.directions(closed)
+    push = np.asarray(along @ modes)
+    if across is not None and len(c.slip):
+        rub = c.bound[0, closed, None] * np.asarray(across @ modes)
+        push = np.concatenate([push + rub, push - rub])
+    load = modes.T @ force.ravel()
+    answer = nnls(push.T, -load)[0] if len(push) else np.zeros(0)
+    left = np.abs(load + push.T @ answer).reshape(-1, 3).max(axis=1)
+    return [body.name for body, rest in zip(bodies, left, strict=True) if rest > RANK * np.abs(force).sum()]
+
+
+def _modes(model: ImplicitModel, bodies: list[Body]) -> Floats:
+    """Return rigid motions (2N, 3b) of bodies."""
+    modes = np.zeros((model.reference.size, 3 * len(bodies)))
     for number, body in enumerate(bodies):
-        share = np.linalg.norm(free[:, 3 * number : 3 * number + 3], axis=0)  # of each free motion
-        if (most := float(share.max(initial=0.0))) > FREE:
-            alike = (1.0 - FREE) * most
-            found[body.name] = tuple(motion for motion, own in zip(MOTIONS, share, strict=True) if own >= alike)
-    return found
+        modes[2 * body.first : 2 * (body.first + body.count), 3 * number : 3 * number + 3] = _rigid_modes(body)
+    return modes
+
+
+def _unheld(model: ImplicitModel) -> list[Body]:
+    return [body for body in model.bodies if free_motions(body, model.prescribed)]
 
 
 def _held_by(pair: PotentialPair, model: ImplicitModel, friction: bool, pressed: bool) -> Iterator[Any]:
