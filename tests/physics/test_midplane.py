@@ -325,3 +325,40 @@ def test_facets_of_a_roll_are_told_with_the_force_that_they_take() -> None:
     # between nodes the chords are as deep on average as at nodes that meet them here and there
     assert told[0.5] == pytest.approx(missing, rel=0.3)
     assert told[0.1] == 0.0
+
+
+@pytest.mark.parametrize("algorithm", ["midplane", "barrier"])
+def test_friction_does_not_weaken_with_more_steps(algorithm: str) -> None:
+    """A block pushed along a floor by f from rest slides by (f - mu g) t^2 / 2, in 10 steps and in 60.
+
+    The speed of slip at which friction has its bound is the same for all steps, and reached late by 3 % of the way.
+    """
+    mu, gravity, push, end = 0.2, 1e4, 5e3, 4e-3
+    scene = {
+        "time": {"end": end},
+        "integrator": {"use": "implicit-dynamics", "steps": 10},
+        "materials": {"m": {"use": "linear-elastic", "young": 1e4, "poisson": 0.3, "density": 1e-9}},
+        "bodies": {
+            "block": {
+                "element": "q1", "material": "m",
+                "mesh": {"use": "rectangle", "x": [0.0, 4.0], "y": [0.0, 1.0], "cells": [4, 1]},
+            }
+        },
+        "rigid": {"floor": {"line": [[20.0, 0.0], [-20.0, 0.0]]}},
+        "contacts": [
+            {
+                "slave": "block.bottom", "master": "floor", "algorithm": algorithm,
+                "friction": {"use": "coulomb", "mu": mu},
+            }
+        ],
+        "effects": [{"use": "gravity", "acceleration": [push, -gravity]}],
+        "record": {"frames": 1, "recorders": []},
+    }  # fmt: skip
+    slid = []
+    for steps in (10, 60):
+        results = simulate(Scene.from_data(scene).with_({"integrator.steps": steps}))
+        assert results.status == "finished"
+        slid.append(float(results.displacement[results.layout.bodies[0].cells].mean(axis=(0, 1))[0]))
+    exact = 0.5 * (push - mu * gravity) * end**2
+    assert slid[0] == pytest.approx(exact, rel=0.05)
+    assert slid[1] == pytest.approx(slid[0], rel=0.01)

@@ -32,6 +32,9 @@ class PotentialView(NamedTuple):
     lagged         (n, 2) [mm] positions that normal forces of friction belong to: the start of the step, then the
                    last iteration that converged
     friction       the bound of the contact's law; None without friction
+    pace           [-] length of the step over a tenth of the loading or the time, at most 1. Friction that grows with
+                   the slip of a step up to a distance takes this distance times `pace`: its speed of slip is the same
+                   for all steps then, and more steps do not weaken it
     """
 
     slave: Surface
@@ -44,6 +47,7 @@ class PotentialView(NamedTuple):
     start: Floats
     lagged: Floats
     friction: FrictionBound | None
+    pace: float = 1.0
 
 
 class NodalForces(NamedTuple):

@@ -40,6 +40,7 @@ class ImplicitContactSystem:
     pace          release fraction of multipliers merged at the start of a step: 1, or less in
                   load steps that had to be cut (forces jump on release: a shorter step alone would not help)
     freedom       (k,) release of the model's multipliers in the last accepted step, from 0 (merged) to 1
+    tenth         [s] a tenth of the loading or the time, by which potentials see how long a step is; inf if unknown
     """
 
     def __init__(
@@ -66,7 +67,7 @@ class ImplicitContactSystem:
         )
         self.conditions = _conditions(pairs, state["multipliers"], self.friction)
         self.started = np.zeros_like(state["multipliers"])
-        self.pace = 1.0
+        self.pace, self.tenth = 1.0, np.inf
         self.freedom = np.ones(state["multipliers"].shape[1])
         self.start = np.zeros((nodes, 2))
         self.flexibility = np.ones((nodes, 2))
@@ -103,7 +104,7 @@ class ImplicitContactSystem:
             linear.memory[:] = linear.pair.memory_in(self.state)
             linear.pair.evaluated = False
         for potential in self.potentials:
-            potential.begin_step(position)
+            potential.begin_step(position, (time - self.state.time) / self.tenth)
             # forces that the last step wrote for reports belong to no constraint
             self.conditions.force[:, potential.own] = 0.0
         for pair, sliding in self.varying:

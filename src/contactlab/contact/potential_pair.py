@@ -106,8 +106,10 @@ class PotentialPair(GapPair):
 
     # --- a trial ----------------------------------------------------------------------------------
 
-    def begin_step(self, position: Floats) -> None:
-        """Begin a step at `position` (N, 2)."""
+    def begin_step(self, position: Floats, pace: float) -> None:
+        """Begin a step at `position` (N, 2); for `pace` see `PotentialView`, 0 to keep the last one."""
+        if pace > 0.0:
+            self.view = self.view._replace(pace=min(1.0, pace))
         self.view.start[:] = self.view.lagged[:] = self._own(position)
         self.evaluated, self.change = False, np.inf
 

@@ -39,6 +39,8 @@ class ImplicitModel(Model):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.contact is not None:
+            self.contact.tenth = 0.1 * self.timing.last
         self.estimates: Sequence[Estimate] = ()
         self.stabilised = False
         self._start, self._share = self.state["displacement"].copy(), 1.0

@@ -25,7 +25,7 @@ class Barrier(Potential):
     dhat       [-] distance at which it begins, over the shortest undeformed segment of both surfaces
     stiffness  [-] pressure scale of the barrier over the modulus of the softer side: a pressure p closes about
                sqrt(p / (24 stiffness modulus)) of dhat
-    slip       [-] slip of a step over dhat up to which friction grows to its bound
+    slip       [-] slip over dhat up to which friction grows to its bound, in a step of a tenth of the loading or time
     """
 
     dhat: float = 0.05
@@ -99,7 +99,7 @@ class Barrier(Potential):
         found = ipctk.TangentialCollisions()
         collisions = self._collisions(view, view.lagged)
         found.build(_mesh(view), view.lagged, collisions, self._barrier(view), bound.coefficient)
-        return ipctk.FrictionPotential(self.slip * self.clearance(view)), found
+        return ipctk.FrictionPotential(view.pace * self.slip * self.clearance(view)), found
 
 
 @lru_cache

@@ -31,7 +31,8 @@ class Midplane(Potential):
 
     stiffness  [-] pressure per overlap, over the stiffness of the cells behind: surfaces overlap by p h / (stiffness M)
                for each side, with the depth h of its cells and their dilatational modulus M
-    slip       [-] slip of a step, over the shortest undeformed segment, up to which friction grows to its bound
+    slip       [-] slip over the shortest undeformed segment up to which friction grows to its bound, in a step of a
+               tenth of the loading or time
     """
 
     stiffness: float = 30.0
@@ -110,6 +111,6 @@ class Midplane(Potential):
         room = 4 * len(found.pairs)
         nodes, weight, force = np.zeros((room, 4), np.int32), np.zeros((room, 8)), np.zeros(room)
         rub(*found, nodes, weight, force)
-        moved, within = polygon(view) @ (positions - view.start), self.slip * float(found.length.min())
+        moved, within = polygon(view) @ (positions - view.start), view.pace * self.slip * float(found.length.min())
         slip = (weight * moved[nodes].reshape(-1, 8)).sum(axis=1) / within
         return nodes, weight, slip, view.friction.coefficient * force, within
