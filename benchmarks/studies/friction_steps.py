@@ -1,7 +1,7 @@
 """Does `friction-steps` know the error of the shear? Its estimate beside the true error, for docs/statics.md.
 
     python benchmarks/studies/friction_steps.py            # the table, against 320 load steps
-    python benchmarks/studies/friction_steps.py 44         # so many scenes drawn at random, against 8 times the steps
+    python benchmarks/studies/friction_steps.py 60         # so many scenes drawn at random, against 8 times the steps
 
 The error is the difference of the slave's nodal shear forces over these forces, both as root of the sum of squares.
 Runs with an error below 2 % and an estimate below the limit of 5 % are left out of the count: nothing is told there.
@@ -21,6 +21,7 @@ from contactlab.run import friction_error
 
 STEPS, FINE = (5, 10, 20, 40), 320
 FINER = 8
+SEED = 5  # of a draw by which nothing of the estimate was chosen
 SMALL, LIMIT, FACTOR = 0.02, friction_error.HIGH, 3.0
 ALGORITHMS = ("mortar-p0", "mortar-p1", "mortar-dual", "node-on-segment")
 Changes = Mapping[str, Any]
@@ -104,7 +105,7 @@ def main(arguments: list[str]) -> None:
             print(f"| {name} | " + " | ".join(f"{100 * e:.2g} / {100 * t:.2g} %" for e, t in pairs) + " |", flush=True)
         return
     right = judged = 0
-    for name, changes, steps in drawn(1, int(arguments[0])):
+    for name, changes, steps in drawn(SEED, int(arguments[0])):
         (found, told), (exact, _) = shear(changes, steps), shear(changes, FINER * steps)
         true = error(found, exact)
         if not np.isfinite(true) or (true < SMALL and told < LIMIT):
