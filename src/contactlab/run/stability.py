@@ -27,6 +27,7 @@ SINGULAR = 1e-9  # of a matrix whose entries are of size 1: the sign of a smalle
 SYMMETRIC = 1e-9  # alike: pivots of a less symmetric matrix give the parity only
 SPARE, ITERATIONS = 4, 20  # motions more than sought, so that those sought converge by a factor of ten in each
 REAL = 1e-6  # a softness with more of an imaginary part belongs to a motion that turns, not to one that leaves
+HARD = 0.01  # over the largest nodal stiffness: smaller softness, of motions that conditions hold, is round-off
 EVEN = 2  # motions sought where an even number may leave
 HELD = 1e-4  # of a row of conditions: less of it on free nodes is how the length of a segment changes, not a gap
 NEUTRAL = 1e-3  # facets leave 2e-4 with five pressed nodes; a column 0.3 % above its buckling load has as much
@@ -131,7 +132,9 @@ def _negative_directions(equations: Linearised) -> int:
     if (pivots.odd + conditions) % 2:
         return 1
     soft, _ = _softest(equations, EVEN)
-    return int(np.count_nonzero((soft.real < 0.0) & (np.abs(soft.imag) < REAL * np.abs(soft))))
+    stiffest = np.abs(equations.matrix.diagonal()[: int(np.count_nonzero(equations.free))]).max(initial=1e-300)
+    leaves = (soft.real * stiffest < -HARD) & (np.abs(soft.imag) < REAL * np.abs(soft))
+    return int(np.count_nonzero(leaves))
 
 
 class _Pivots(NamedTuple):

@@ -13,12 +13,13 @@ from contactlab.api import Enforcement, Floats, NormalLaw
 from contactlab.parts.description import units_of
 from contactlab.testing.assertions import Check, NotApplicable, agree, identical, require, untouched
 from contactlab.testing.friction import times_followed
-from contactlab.testing.other_values import changed, others, without_effect
+from contactlab.testing.other_values import changed, others, set_from_zero, without_effect
 from contactlab.testing.scales import scale_of
 from contactlab.testing.units import LONG, STRESS, in_other_units, same_in_other_units, scale_of_unit
 
 COUNT = 201
 DEPTHS = 3.0  # lengths of the law that are looked at on both sides of where it begins
+BELOW = 0.01  # of that length, below the gap where it begins: there is pressure
 APART = 1e-5  # of that length: central differences err by its square, and by round-off over it
 FAR = 100.0  # times these gaps is as deep as a limit of the pressure may lie
 KINKS = 0.05  # share of gaps near which a law may have a kink: differences across it are wrong
@@ -193,7 +194,9 @@ def pressure_begins_where_it_says(enforcement: Enforcement) -> None:
     open_ = gap > begins + 1e-9 * _length(law)
     far = np.abs(pressure[open_]).max(), np.abs(slope[open_]).max()
     require(max(far) == 0.0, f"pressure or slope is {max(far):.3g} at gaps beyond begins, {begins:.4g} mm")
-    require(pressure[0] > 0.0, f"no pressure at a gap of {gap[0]:.4g} mm, though it begins at {begins:.4g} mm")
+    for below in (gap[0], begins - BELOW * _length(law)):
+        found = _pressures(law, np.array([below]))[0][0]
+        require(found > 0.0, f"no pressure at a gap of {below:.4g} mm, though it begins at {begins:.4g} mm")
 
 
 def pressure_never_pulls_nor_falls(enforcement: Enforcement) -> None:
@@ -230,7 +233,7 @@ def conditions_do_not_know_each_other(enforcement: Enforcement) -> None:
 def its_numbers_matter(enforcement: Enforcement) -> None:
     """Every number changes a pressure: one without a default near where it begins, any other as far as 100 times that.
 
-    Numbers with a default are checked in the default law, as a given number may replace another.
+    Numbers with a default are checked if all have their defaults, as a given number may replace another.
     """
     law = _law(enforcement)
     gap = _gaps(law)
@@ -241,13 +244,15 @@ def its_numbers_matter(enforcement: Enforcement) -> None:
         return
     for name, other in others(law):
         require(np.any(_pressures(other, gap)[0] != before), f"the field {name} changes no pressure")
-    if _tuned(law) or law != type(law)():
+    fields: Any = dataclasses.fields(law)  # type: ignore[arg-type]
+    if any(field.default is not dataclasses.MISSING and getattr(law, field.name) != field.default for field in fields):
         return
     begins = law.begins()
     far = np.concatenate([gap, begins + FAR * (gap - begins), np.zeros(COUNT)])
     before = _under_stress(law, far)
-    for name, other in changed(law):
-        require(np.any(_under_stress(other, far) != before), f"the field {name} never changes a pressure")
+    for name, *others_of_it in (*changed(law), *set_from_zero(law)):
+        found = any(np.any(_under_stress(other, far) != before) for other in others_of_it)
+        require(found, f"the field {name} never changes a pressure")
 
 
 def _under_stress(law: Any, gap: Floats) -> Floats:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 from collections.abc import Callable, Iterator
 from typing import Any, get_args
@@ -131,3 +132,22 @@ def switched_on(part: Any) -> Iterator[tuple[str, Any]]:
     for field in dataclasses.fields(part):
         if field.default == 0.0 and getattr(part, field.name) == 0.0 and field.name in USUAL:
             yield field.name, dataclasses.replace(part, **{field.name: USUAL[field.name]})
+
+
+def set_from_zero(part: Any) -> Iterator[tuple[str, *tuple[Any, ...]]]:
+    """The name of each number that is 0 by default, and the part with it set to 1, alone and with all such numbers.
+
+    Zero often means that another number counts. Values that the part refuses are left out.
+    """
+    zero = {
+        field.name: 1.0
+        for field in dataclasses.fields(part)
+        if field.default == 0.0 and type(value := getattr(part, field.name)) is float and value == 0.0
+    }
+    for name in zero:
+        found = []
+        for values in ({name: 1.0}, zero):
+            with contextlib.suppress(ValueError):
+                found.append(dataclasses.replace(part, **values))
+        if found:
+            yield name, *found
