@@ -129,9 +129,9 @@ def _changed(part: Any) -> Iterator[tuple[Any, Any]]:
 
 def switched_on(part: Any) -> Iterator[tuple[str, Any]]:
     """The part with each number that is 0 by default at its usual value, and the name of the field."""
-    for field in dataclasses.fields(part):
-        if field.default == 0.0 and getattr(part, field.name) == 0.0 and field.name in USUAL:
-            yield field.name, dataclasses.replace(part, **{field.name: USUAL[field.name]})
+    for name in _zeros(part):
+        if name in USUAL:
+            yield name, dataclasses.replace(part, **{name: USUAL[name]})
 
 
 def set_from_zero(part: Any) -> Iterator[tuple[str, *tuple[Any, ...]]]:
@@ -139,11 +139,7 @@ def set_from_zero(part: Any) -> Iterator[tuple[str, *tuple[Any, ...]]]:
 
     Zero often means that another number counts. Values that the part refuses are left out.
     """
-    zero = {
-        field.name: 1.0
-        for field in dataclasses.fields(part)
-        if field.default == 0.0 and type(value := getattr(part, field.name)) is float and value == 0.0
-    }
+    zero = {name: 1.0 for name in _zeros(part) if isinstance(getattr(part, name), float)}
     for name in zero:
         found = []
         for values in ({name: 1.0}, zero):
@@ -151,3 +147,8 @@ def set_from_zero(part: Any) -> Iterator[tuple[str, *tuple[Any, ...]]]:
                 found.append(dataclasses.replace(part, **values))
         if found:
             yield name, *found
+
+
+def _zeros(part: Any) -> list[str]:
+    """Fields that are 0 by default and in the part."""
+    return [f.name for f in dataclasses.fields(part) if f.default == 0.0 and getattr(part, f.name) == 0.0]
