@@ -115,7 +115,7 @@ def test_repetitions_that_were_made_are_kept(
         submit(self, waiting)
 
     monkeypatch.setattr(driver.Driver, "_submit", counted)
-    scene = small_scene({"time.end": 4e-6})
+    scene = small_scene()
     request = {"vary": {"contacts.0.algorithm": ["mortar-p0"]}, "out": tmp_path / "out", "repeat": 4, "jobs": 1}
     with pytest.raises(KeyboardInterrupt):
         contactlab.compare(scene, **request)

@@ -26,7 +26,7 @@ GOOD = ("as before", "told", "told, some salvaged")
 @pytest.fixture(scope="module")
 def stored(small_scene: MakeScene, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder: Path = tmp_path_factory.mktemp("stored") / "run"
-    simulate(small_scene({"contacts.0.friction": {"use": "coulomb", "mu": 0.2}, "time.end": 4e-6}), folder)
+    simulate(small_scene({"contacts.0.friction": {"use": "coulomb", "mu": 0.2}}), folder)
     return folder
 
 

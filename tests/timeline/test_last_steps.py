@@ -14,6 +14,7 @@ from contactlab.results.results import Results
 from contactlab.run.simulation import simulate
 
 MakeScene = Callable[..., Any]
+LONG = {"time.end": 8e-6}  # fails after more steps than a small run has
 FRICTION = {"contacts.0.friction": {"use": "coulomb", "mu": 0.2}}
 STATICS = {"integrator": {"use": "newton", "steps": 6, "iterations": 2}, "time.end": 1.0, "supports.1.uy.to": -0.3}
 
@@ -42,11 +43,11 @@ def test_steps_before_a_failure_are_those_of_a_run_with_a_frame_in_each(
     small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     failing(monkeypatch)
-    run = simulate(small_scene({**FRICTION, "record.last": 80}), tmp_path / "run")
+    run = simulate(small_scene({**FRICTION, **LONG, "record.last": 80}), tmp_path / "run")
     assert run.status == "diverged"
     end, frames = run.summary["steps"], run.last_steps["failure"]
     assert [frame.step for frame in frames] == list(range(end - 79, end + 1))
-    slow = simulate(small_scene({**FRICTION, "record.frames": 1_000_000}), tmp_path / "slow")
+    slow = simulate(small_scene({**FRICTION, **LONG, "record.frames": 1_000_000}), tmp_path / "slow")
     assert end - 70 < slow.summary["steps"] <= end, "a frame is a look at the model"
     assert slow.last_steps == {}
     assert not (tmp_path / "slow" / "last-steps").exists()
@@ -58,7 +59,7 @@ def test_steps_before_the_first_warning_of_a_guard(
     small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("contactlab.run.energy_guard.MADE", -1.0)  # all that contact makes is too much
-    run = simulate(small_scene({"time.end": 4e-6, "record.last": 30}), tmp_path / "run")
+    run = simulate(small_scene({"record.last": 30}), tmp_path / "run")
     assert (run.status, "contact-energy" in {warning.code for warning in run.warnings}) == ("finished", True)
     first = next(event for event in run.events if "contact has made" in event.text)
     steps = [frame.step for frame in run.last_steps["warning"]]
@@ -73,7 +74,7 @@ def test_steps_before_a_warning_that_is_judged_at_the_end(
 ) -> None:
     """Only where the scene asks for it; they are those of a run with a frame in each."""
     monkeypatch.setattr("contactlab.run.energy_guard.MADE", 1e9)  # no guard warns
-    changes = {"time.end": 4e-6, "record.last": 30, "contacts.0.algorithm": "node-on-segment"}
+    changes = {"record.last": 30, "contacts.0.algorithm": "node-on-segment"}
     plain = simulate(small_scene(changes), tmp_path / "plain")
     assert plain.warnings
     assert not plain.last_steps, "none of its warnings is one of a guard"
@@ -91,7 +92,7 @@ def test_a_part_that_remembers_is_told_of(
     """Steps that come out otherwise when they are repeated are no evidence."""
     failing(monkeypatch)
     monkeypatch.setattr("contactlab.run.kept_states.KeptState.is_that_of", lambda state, model: False)
-    run = simulate(small_scene({"record.last": 200}), tmp_path / "run")
+    run = simulate(small_scene({**LONG, "record.last": 200}), tmp_path / "run")
     assert run.status == "diverged"
     assert run.last_steps == {}
     assert any("differ from the original steps" in event.text for event in run.events)

@@ -91,7 +91,7 @@ def packed(colour: str) -> int:
 def run(small_scene: MakeScene, tmp_path_factory: pytest.TempPathFactory) -> Results:
     """A run with friction and plasticity that leaves a recording."""
     return simulate(
-        small_scene({**COULOMB, **PLASTIC, **BOTH, "record.contact_work": True}),
+        small_scene({**COULOMB, **PLASTIC, **BOTH, "record.contact_work": True, "time.end": 8e-6}),
         tmp_path_factory.mktemp("recorded") / "run",
     )
 

@@ -81,7 +81,7 @@ def run_with_stops(scene: Any, folder: Path, stops: list[int]) -> Results:
 def test_resumed_run_is_bit_identical(
     name: str, small_scene: MakeScene, tmp_path: Path, assert_same_run: Assert, assert_same_files: Assert
 ) -> None:
-    scene = small_scene({"time.end": 4e-6, **VARIANTS[name]})  # 350 steps where they are explicit
+    scene = small_scene(VARIANTS[name])  # 250 steps where they are explicit
     whole = simulate(scene, tmp_path / "whole")
     steps = whole.summary["steps"]
     # early, in mid-run, and at the last step
