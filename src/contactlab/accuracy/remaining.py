@@ -95,15 +95,14 @@ def _fit(values: Mapping[int, Any], judged: Judged) -> tuple[Floats, Floats]:
     fine = [judged.sharpened(values[level]) for level in levels]
     i, j = np.triu_indices(len(levels), 1)
     squares = np.array([judged.apart(fine[m], fine[n]) for m, n in zip(i, j, strict=True)]) ** 2
-    left, misfit = np.zeros((2, len(ORDERS)))
-    for k, order in enumerate(ORDERS):
-        x = (np.array(levels) / levels[-1]) ** -order
-        size = x[i] ** 2 + x[j] ** 2
-        shared, own = (x[i] - x[j]) ** 2 / size, squares / size
-        a, b = _line(shared, own)
-        left[k] = np.sqrt(a + b)
-        floor = FLOOR * max(own.mean(), 1e-300)
-        misfit[k] = np.mean((0.5 * np.log((a * shared + b + floor) / (own + floor))) ** 2)
+    x = (np.array(levels) / levels[-1]) ** -ORDERS[:, None]
+    size = x[:, i] ** 2 + x[:, j] ** 2
+    shared, own = (x[:, i] - x[:, j]) ** 2 / size, squares / size
+    a, b = np.array([_line(*both) for both in zip(shared, own, strict=True)]).T
+    left = np.sqrt(a + b)
+    floor = FLOOR * np.maximum(own.mean(axis=1), 1e-300)[:, None]
+    found = a[:, None] * shared + b[:, None]
+    misfit = np.mean((0.5 * np.log((found + floor) / (own + floor))) ** 2, axis=1)
     weight = np.exp((misfit.min() - misfit) / (2.0 * MISFIT**2))
     return left, weight / weight.sum()
 
