@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from contactlab.api import Floats, Ints, Rows, Surface
+from contactlab.api import Candidates, ContactView, Floats, Ints, Rows, Surface
 from contactlab.api.surface import SurfacePositions
 from contactlab.kernels.contact.corners import take_row, touches
 
@@ -67,6 +67,7 @@ class Corners:
     nodes     nodes (c,) of the master that are corners
     slack     [mm] depth of a point before it bears
     close     corners near the slave
+    found     the contact of each that touches a segment
     start     (m, 2) [mm] the slave's nodes at the start of the step, if steps iterate
     """
 
@@ -75,6 +76,7 @@ class Corners:
         self.slack = SLACK * float(pair.slave.lengths(pair.at.slave).min())
         self.near: Near | None = None
         self.close = nodes[:0]
+        self.found: list[Touch] = []
         self.moved: list[Moved] = []
         self.points: list[Touch] = []
         self.start: Floats | None = None
@@ -84,15 +86,42 @@ class Corners:
         """True if any corner has a constraint."""
         return bool(self.moved or self.points)
 
-    def update(self) -> None:
-        """Find the contact of each corner at the present positions, and take constraints there."""
+    def find(self, view: ContactView) -> ContactView:
+        """Find the contact of each corner at the present positions. Return the view without flanks beyond a corner.
+
+        A segment that a corner touches between its ends may see both flanks. The gap is zero at the corner and grows
+        along both; extrapolated to a node it may be negative though nothing is deep, and then neither a force nor
+        none is an equilibrium. The flank that faces the segment less is left out: the corner holds the segment.
+        """
         if self.pair.near is not self.near:
             self._list_segments()
         if self.touching:
             self.moved, self.points = [], []
-        if not len(self.close) or self._is_far():
+        self.found = [] if not len(self.close) or self._is_far() else self.touches(self.pair.at)
+        behind = [(touch.segment, flank) for touch in self.found if (flank := self._flank(touch)) >= 0]
+        if not behind:
+            return view
+        (start, master, reach), kept = view.near, np.ones(len(view.near.master), np.bool_)
+        for segment, flank in behind:
+            row = slice(start[segment], start[segment + 1])
+            kept[row] &= master[row] != flank
+        places = np.append(0, np.cumsum(kept)).astype(np.int32)
+        return view._replace(near=Candidates(places[start], master[kept], reach))
+
+    def _flank(self, touch: Touch) -> int:
+        """Return the flank of a corner within its segment that faces this less than the other does, or -1."""
+        flanks = self.pair.master.node_segments[touch.corner]
+        if not 0.0 < touch.xi < 1.0 or flanks.min() < 0:
+            return -1
+        edge = np.diff(self.pair.at.master[self.pair.master.segments[flanks]], axis=1)[:, 0]
+        against = edge @ touch.along / np.hypot(*edge.T)  # -1 if parallel
+        return int(flanks[np.argmax(against)]) if against.max() < 0.0 else -1
+
+    def update(self) -> None:
+        """Take constraints at the corners that were found."""
+        if not self.found:
             return
-        for touch in self.touches(self.pair.at):
+        for touch in self.found:
             moved = self._moved(touch)
             if moved is None:
                 self.points.append(touch)
