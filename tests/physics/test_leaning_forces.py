@@ -33,29 +33,35 @@ def test_a_mortar_is_held_at_a_corner(swap: bool) -> None:
         assert held.summary["peaks"]["contacts"]["contacts.0"]["pressure"]["value"] < largest / (0.5 * 0.25)
 
 
-@pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1", "mortar-dual"])
-def test_a_corner_within_a_segment_holds_it_alone_however_its_flanks_are_turned(algorithm: str) -> None:
-    """A square turned by 30, 45 and 60 degrees is pressed on a hard corner, a tenth of a segment beyond a node.
+@pytest.mark.parametrize(("element", "mu"), [("q1", 0.0), ("q2", 0.3)])
+@pytest.mark.parametrize("share", [0.1, 0.9])
+def test_a_corner_within_a_segment_holds_it_alone_however_its_flanks_are_turned(
+    element: str, mu: float, share: float
+) -> None:
+    """A square turned by 30, 45 and 60 degrees is pressed on a hard corner, a share of a segment beyond a node.
 
-    It sees both flanks at all angles, and none is touched: only the corner's own elasticity is turned with it.
+    It sees both flanks at all angles, and touches none: only the corner's own elasticity turns with it, and all
+    mortars have the same forces, without friction those of a node on a segment.
     """
 
-    def force(degrees: float) -> float:
+    def force(degrees: float, algorithm: str) -> float:
         along = np.array([np.cos(np.radians(degrees)), np.sin(np.radians(degrees))])
         inward = np.array([-along[1], along[0]])
-        places = [(u - 0.55) * along + v * inward for v in (0.0, 0.5, 1.0) for u in (0.0, 0.5, 1.0)]
+        rows = [0.0, 0.5, 1.0]
+        places = [(u - 0.5 - 0.5 * share) * along + v * inward for v in rows for u in rows]
         edges = {"low": np.array([[0, 1], [1, 2]]), "top": np.array([[8, 7], [7, 6]])}
         cells = np.array([[0, 1, 4, 3], [1, 2, 5, 4], [3, 4, 7, 6], [4, 5, 8, 7]])
         square = contactlab.mesh(np.array(places), cells, {name: ends.T for name, ends in edges.items()})
         hard = {"use": "rectangle", "x": [0.0, 2.0], "y": [-2.0, 0.0], "cells": [1, 1]}
         law = {"use": "linear-elastic", "young": 1e3, "poisson": 0.3, "density": 1e-9}
+        contact = {"slave": "square.low", "master": ["corner.left", "corner.top"], "algorithm": algorithm}
         push = -0.02 * inward
         scene = Scene.from_data({
             "integrator": "newton",
             "materials": {"soft": law, "hard": {**law, "young": 1e6}},
-            "bodies": {"square": {"element": "q1", "material": "soft", "mesh": square},
+            "bodies": {"square": {"element": element, "material": "soft", "mesh": square},
                        "corner": {"element": "q1", "material": "hard", "mesh": hard}},
-            "contacts": [{"slave": "square.low", "master": ["corner.left", "corner.top"], "algorithm": algorithm}],
+            "contacts": [contact | ({"friction": {"use": "coulomb", "mu": mu}} if mu else {})],
             "supports": [{"on": "corner.bottom", "ux": 0.0, "uy": 0.0},
                          {"on": "square.top", "ux": float(push[0]), "uy": float(push[1])}],
         })  # fmt: skip
@@ -63,8 +69,11 @@ def test_a_corner_within_a_segment_holds_it_alone_however_its_flanks_are_turned(
         assert results.status == "finished", results.reason
         return float(np.array(results.summary["reactions"]["square.top"]) @ -inward)
 
+    forces = [force(degrees, "mortar-p1") for degrees in (30.0, 45.0, 60.0)]
     # 2e-3: the corner is a thousand times as stiff
-    assert [force(30.0), force(60.0)] == pytest.approx([force(45.0)] * 2, rel=2e-3)
+    assert forces == pytest.approx(forces[1:2] * 3, rel=2e-3)
+    others = ["mortar-p0", "mortar-dual", *["node-on-segment"] * (not mu)]
+    assert [force(60.0, other) for other in others] == pytest.approx(forces[2:] * len(others), rel=1e-6)
 
 
 def test_what_is_not_held_at_a_corner_is_told(monkeypatch: pytest.MonkeyPatch) -> None:

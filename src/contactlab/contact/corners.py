@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from contactlab.api import Candidates, ContactView, Floats, Ints, Rows, Surface
+from contactlab.api import Floats, Ints, Rows, Surface
 from contactlab.api.surface import SurfacePositions
 from contactlab.kernels.contact.corners import take_row, touches
 
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 SHARP = 0.5  # sine by which the master turns outward at a corner
 CLOSE = 3.0  # segments: corners farther from all nodes of the slave touch it in no step of a near list
 FAR = 0.25  # of the extent of the slave: corners cannot hold a trial that moves nodes so far in a step
+CLOSED, APART = 0.01, 0.05  # of a segment: distances up to which flanks may be touched, and from which none is
 SLACK = 0.002  # of the shortest segment of the slave: depth of a point before it bears
 
 
@@ -65,9 +66,10 @@ class Corners:
     """Corners of the master of a mortar pair. `points` act as points, constraints `moved` are taken at the others.
 
     nodes     nodes (c,) of the master that are corners
-    slack     [mm] depth of a point before it bears
+    slack     [mm] depth of a point before it bears on a segment that may lie on a flank
+    depth     [mm] the same for each point
+    opened    nodes around points whose flanks are not touched, and least distances [mm] there
     close     corners near the slave
-    found     the contact of each that touches a segment
     start     (m, 2) [mm] the slave's nodes at the start of the step, if steps iterate
     """
 
@@ -76,57 +78,38 @@ class Corners:
         self.slack = SLACK * float(pair.slave.lengths(pair.at.slave).min())
         self.near: Near | None = None
         self.close = nodes[:0]
-        self.found: list[Touch] = []
         self.moved: list[Moved] = []
         self.points: list[Touch] = []
+        self.depth: dict[int, float] = {}
+        self.opened: list[tuple[Ints, Floats]] = []
         self.start: Floats | None = None
+        slave = pair.slave
+        # multipliers at the ends of quadratic edges span both halves
+        self._on_edges = not pair.algorithm.carriers(slave).all()
+        self._span_of = slave.segment_edge[:, 0] if self._on_edges else np.arange(len(slave.segments))
 
     @property
     def touching(self) -> bool:
         """True if any corner has a constraint."""
         return bool(self.moved or self.points)
 
-    def find(self, view: ContactView) -> ContactView:
-        """Find the contact of each corner at the present positions. Return the view without flanks beyond a corner.
-
-        A segment that a corner touches between its ends may see both flanks. The gap is zero at the corner and grows
-        along both; extrapolated to a node it may be negative though nothing is deep, and then neither a force nor
-        none is an equilibrium. The flank that faces the segment less is left out: the corner holds the segment.
-        """
+    def update(self) -> None:
+        """Find the contact of each corner at the present positions, and take constraints there."""
         if self.pair.near is not self.near:
             self._list_segments()
         if self.touching:
-            self.moved, self.points = [], []
-        self.found = [] if not len(self.close) or self._is_far() else self.touches(self.pair.at)
-        behind = [(touch.segment, flank) for touch in self.found if (flank := self._flank(touch)) >= 0]
-        if not behind:
-            return view
-        (start, master, reach), kept = view.near, np.ones(len(view.near.master), np.bool_)
-        for segment, flank in behind:
-            row = slice(start[segment], start[segment + 1])
-            kept[row] &= master[row] != flank
-        places = np.append(0, np.cumsum(kept)).astype(np.int32)
-        return view._replace(near=Candidates(places[start], master[kept], reach))
-
-    def _flank(self, touch: Touch) -> int:
-        """Return the flank of a corner within its segment that faces this less than the other does, or -1."""
-        flanks = self.pair.master.node_segments[touch.corner]
-        if not 0.0 < touch.xi < 1.0 or flanks.min() < 0:
-            return -1
-        edge = np.diff(self.pair.at.master[self.pair.master.segments[flanks]], axis=1)[:, 0]
-        against = edge @ touch.along / np.hypot(*edge.T)  # -1 if parallel
-        return int(flanks[np.argmax(against)]) if against.max() < 0.0 else -1
-
-    def update(self) -> None:
-        """Take constraints at the corners that were found."""
-        if not self.found:
+            self.moved, self.points, self.opened = [], [], []
+        if not len(self.close) or self._is_far():
             return
-        for touch in self.found:
+        for touch in self.touches(self.pair.at):
             moved = self._moved(touch)
-            if moved is None:
-                self.points.append(touch)
-            else:
+            if moved is not None:
                 self.moved.append(moved)
+            # a mean gap, linear along a quadratic edge, misses how far a corner bends it
+            if moved is None or self._on_edges:
+                apart = self._open(touch) / touch.length if moved is None else 0.0
+                self.points.append(touch)
+                self.depth[touch.corner] = self.slack * float(np.interp(apart, [CLOSED, APART], [1.0, 0.0]))
         self.take(self.pair.gaps)
 
     def _is_far(self) -> bool:
@@ -168,21 +151,74 @@ class Corners:
         """Return the constraint of the node beyond a corner; None if merged, or if something else is below the node."""
         pair, slave = self.pair, self.pair.slave
         seen, ends, owner = pair.pieces.segment[: pair.count, 0], pair.pieces.ends, pair.coupling.owner
-        own = np.flatnonzero(seen == touch.segment)
+        nodes, first, length = self._span(touch.segment)
+        own = np.flatnonzero(self._span_of[seen] == self._span_of[touch.segment])
         if not len(own) or not 0.0 < touch.xi < 1.0:
             return None
-        covered = ends[own, 0].min() <= 0.0, ends[own, 2].max() >= 1.0
+        before = np.array([self._span(s)[1] for s in seen[own]])
+        covered = (before + length * ends[own, 0]).min() <= 0.0, (before + length * ends[own, 2]).max() >= 1.0
         if covered[0] == covered[1]:
             return None
         end = int(covered[0])
-        slot, partner = (int(i) for i in slave.segments[touch.segment, [end, 1 - end]])
-        if owner[slot] != slot or owner[partner] != partner or (seen == slave.node_segments[slot, end]).any():
+        slot, partner = int(nodes[end]), int(nodes[1 - end])
+        beyond = slave.node_segments[slot, end]
+        if owner[slot] != slot or owner[partner] != partner or (beyond >= 0 and self._sees(beyond)):
             return None
-        nodes = np.append(pair.master.nodes[touch.corner], slave.nodes[slave.segments[touch.segment]])
-        share, sign = (touch.xi, 1.0) if end else (1.0 - touch.xi, -1.0)
-        return Moved(slot, partner, share, nodes, sign * touch.rates)
+        place = first + length * touch.xi
+        moves = np.append(pair.master.nodes[touch.corner], slave.nodes[slave.segments[touch.segment]])
+        share, sign = (place, length) if end else (1.0 - place, -length)
+        return Moved(slot, partner, share, moves, sign * touch.rates)
+
+    def _span(self, segment: int) -> tuple[Ints, float, float]:
+        """Return both nodes between which the multipliers of a segment span, its start in the span, and its share."""
+        slave = self.pair.slave
+        if not self._on_edges:
+            return slave.segments[segment], 0.0, 1.0
+        edge, half = slave.segment_edge[segment]
+        return slave.edges[edge, :2], 0.5 * half, 0.5
+
+    def _sees(self, segment: int) -> bool:
+        """Return whether any segment in the span of a segment sees the master."""
+        seen = self.pair.pieces.segment[: self.pair.count, 0]
+        return bool((self._span_of[seen] == self._span_of[segment]).any())
+
+    def _open(self, touch: Touch) -> float:
+        """Open constraints around a corner within a segment that sees both of its flanks and touches neither.
+
+        Distances are zero at the corner and grow along both flanks. Means of them, extrapolated to nodes, may be
+        negative; they are at least the smallest distance beside the corner. Returns that of the segment [mm].
+        """
+        pair, count = self.pair, self.pair.count
+        (segment, flank), ends = pair.pieces.segment[:count].T, pair.pieces.ends[:count]
+        own = segment == touch.segment
+        if not (0.0 < touch.xi < 1.0 and np.isin(pair.master.node_segments[touch.corner], flank[own]).all()):
+            return 0.0
+        (a, b), (c, d) = (at[side].transpose(1, 0, 2) for at, side in (
+            (pair.at.slave, pair.slave.segments[segment]), (pair.at.master, pair.master.segments[flank])
+        ))  # fmt: skip
+        edge = b - a
+        outward = np.stack([edge[:, 1], -edge[:, 0]], axis=1) / np.hypot(*edge.T)[:, None]
+        least, corner = np.full(pair.slots, np.inf), pair.at.master[touch.corner]
+        nodes = np.array([self._span(s)[0] for s in segment])
+        for low in (0, 2):
+            xi, eta = ends[:, low, None], ends[:, low + 1, None]
+            seen = c + eta * (d - c)
+            gap = ((seen - a - xi * edge) * outward).sum(axis=1)
+            gap[np.hypot(*(seen - corner).T) < CLOSED * touch.length] = np.inf
+            np.minimum.at(least, nodes, gap[:, None])
+        span = self._span(touch.segment)[0]
+        around = np.unique(nodes[np.isin(nodes, span).any(axis=1)])
+        around = around[least[around] > CLOSED * touch.length]
+        self.opened.append((around, least[around]))
+        self.lift(pair.gaps)
+        return float(least[span].min())
 
     # --- constraints taken at corners -----------------------------------------------------
+
+    def lift(self, gaps: Floats) -> None:
+        """Raise gaps (k, ...) [mm] of opened constraints to the least distances between both sides."""
+        for nodes, least in self.opened:
+            gaps[nodes, 0] = np.maximum(gaps[nodes, 0], least)
 
     def take(self, values: Floats) -> None:
         """Take values (k, ...) of multipliers, whose first column are gaps, at the corners."""

@@ -122,7 +122,7 @@ class OperatorPair(ContactPair):
         if not kernels.place(self.address, positions, compliance, force, pushed) <= SKIN * self.size:
             self.find_near(self.at.slave, self.at.master)
         pieces = self.pieces
-        view = self.seen(memory) if self.corners is None else self.corners.find(self.seen(memory))
+        view = self.seen(memory)
         before = copies(view) if self._unchecked else {}
         count = self.algorithm.pieces(view, pieces)
         if before:
@@ -174,6 +174,7 @@ class OperatorPair(ContactPair):
             self.smooth.add(at, gaps)
         if self.corners is not None:
             self.corners.take(gaps)
+            self.corners.lift(gaps)
         return gaps
 
     def separations(self, at: SurfacePositions, normals: Floats, separation: Floats, gaps: Floats) -> None:

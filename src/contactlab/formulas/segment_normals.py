@@ -197,9 +197,16 @@ def length_seen(pieces, p, k):
 
 @section
 def sum_facing(view, pieces, count, wanted, facing):
-    """Sum master normals over overlaps: (m, 3) of `facing` and `seen` if `wanted` (m,) is not zero."""
+    """Sum master normals over overlaps: (m, 3) of `facing` and `seen` if `wanted` (m,) is not zero.
+
+    The sum is zero for a node that no overlap reaches: it is beyond a corner of the master, and presses on nothing.
+    """
     facing[:] = 0.0
+    reached = np.zeros(facing.shape[0], np.bool_)
     for p in range(count):
+        for end in range(2):
+            if pieces.ends[p, 2 * end] == end:
+                reached[view.slave.segments[pieces.segment[p, 0], end]] = True
         if wanted[pieces.multiplier[p, 0]] == 0.0 and wanted[pieces.multiplier[p, 1]] == 0.0:
             continue
         normal = (node(view.at.master, pieces.master[p, 1]) - node(view.at.master, pieces.master[p, 0])).turned().unit()
@@ -208,6 +215,9 @@ def sum_facing(view, pieces, count, wanted, facing):
             facing[pieces.multiplier[p, k], 0] += seen * normal.x
             facing[pieces.multiplier[p, k], 1] += seen * normal.y
             facing[pieces.multiplier[p, k], 2] += seen
+    for k in range(facing.shape[0]):
+        if not reached[k]:
+            facing[k, 0], facing[k, 1], facing[k, 2] = 0.0, 0.0, 0.0
 
 
 @section
