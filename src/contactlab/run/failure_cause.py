@@ -29,6 +29,7 @@ LARGEST = 1.0  # of the extent of a side: a larger fillet has no room
 AT_CORNER = 1.0  # in the longest segment next to a corner
 SLOPE = 0.05  # of the resistance: normals that lean by deformation resist sliding a little, but do not hold
 USED = 0.9  # of the friction that a contact can carry: above this the load is near its limit
+SLIPS = 0.999  # of the friction that a contact can carry: all of its nodes slip
 TIPPED = 0.02  # of the length of a contact: a resultant so near to its end has left the last segments but one
 
 
@@ -210,11 +211,13 @@ def _friction_used_up(model: Model, scene: Scene) -> str:
     """Report contacts that carry nearly all the friction that they can, if nothing else holds a body."""
     if model.integrator.inertia or not (closed := _closed(model)):
         return ""
-    loose = loose_motions(cast("ImplicitModel", model), friction=False, least=SLOPE)
     contact = cast("ImplicitContactSystem", model.contact)
-    if not loose or not len(contact.conditions.slip):
+    if not len(contact.conditions.slip):
         return ""
     used = {pair: friction_share(contact.conditions, pair.first_slot, pair.slots) for pair in contact.pairs}
+    loose = loose_motions(cast("ImplicitModel", model), friction=False, least=SLOPE) or _sliding(model, scene, used)
+    if not loose:
+        return ""
     at_limit = [
         f"friction of {pair.name} carries {share:.1%} of its limit" for pair, share in used.items() if share > USED
     ]
@@ -227,6 +230,18 @@ def _friction_used_up(model: Model, scene: Scene) -> str:
         f"{where}: {', '.join(at_limit)}, and nothing else holds {held}: "
         "this is a limit load; try less load, more pressure or friction, or a support"
     )
+
+
+def _sliding(model: Model, scene: Scene, used: dict[ContactPair, float]) -> dict[str, tuple[str, ...]]:
+    """Bodies without supports all of whose nodes that press slip, as a belt does on its drum: no rigid motion is free."""
+    pressed = [pair for pair in used if model.state["multipliers"][0, pair.own].any()]
+    return {
+        body.name: ("sliding along its contacts",)
+        for body in model.bodies
+        if len(free_motions(body, model.prescribed)) == len(MOTIONS)
+        and (own := [used[pair] for pair in pressed if body.name in _bodies(scene, pair)])
+        and min(own) > SLIPS
+    }
 
 
 def _tipping(model: Model, scene: Scene) -> str:

@@ -66,6 +66,33 @@ def test_used_up_friction_is_a_limit_load() -> None:
     assert simulate(pushed(0.5, 1.9)).status == simulate(pushed(0.8, 2.5)).status == "finished"
 
 
+@pytest.mark.full
+def test_a_belt_that_slides_round_its_drum_is_a_limit_load() -> None:
+    """No rigid motion of it is free: the drum has facets, and the pulls at its ends turn with them."""
+    radius, thick, mu, most = 10.0, 0.1, 0.2, 1.6
+    arc = {"centre": [0.0, 0.0], "radius": radius, "angles": [-30.0, 210.0]}
+    pulls = {"start": [[0.0, 0.0], [0.4, -10.0], [1.0, -10.0]], "end": [[0.0, 0.0], [0.4, -10.0], [1.0, -10.0 * most]]}
+    results = simulate(Scene.from_data({
+        "time": {"end": 1.0},
+        "integrator": {"use": "newton", "steps": 5},
+        "materials": {"soft": {**SOFT, "use": "neo-hookean", "young": 2e4, "poisson": 0.0}},
+        "bodies": {"belt": {"element": "q2", "material": "soft", "mesh": {
+            "use": "ring", "radii": [radius, radius + thick], "cells": [6, 1], "angles": [45.0, 135.0]}}},
+        "rigid": {"drum": {"arc": arc, "segment": 0.9}},
+        "contacts": [{"slave": "belt.inner", "master": "drum", "algorithm": "mortar-p1",
+                      "friction": {"use": "coulomb", "mu": mu}}],
+        "loads": [{"on": f"belt.{end}", "pressure": {"ramp": "table", "to": 1.0, "points": points}}
+                  for end, points in pulls.items()],
+        "record": {"frames": 1, "recorders": []},
+    }))  # fmt: skip
+    assert results.status == "not-converged"
+    assert "nothing else holds belt against sliding along its contacts: this is a limit load" in results.reason
+    # Euler and Eytelwein: the pull on the belt's middle; 0.5 %: facets, and the last step that fails
+    limit = np.exp(mu * np.radians(90.0) * radius / (radius + 0.5 * thick))
+    pull = results.summary["reached"]["share"] * (1.0 + most) - 1.0  # the share is of the sum of both
+    assert pull == pytest.approx(limit, rel=5e-3)
+
+
 def test_a_body_that_tips_is_a_limit_load() -> None:
     """A block 1 wide and 3 high under 2 N/mm, pushed at its head: it tips at F = 2 * 0.5 / 3, in 4 of 5 of the push."""
     scene = pushed(1.5, 1.25 / 3.0).with_({
