@@ -233,7 +233,7 @@ def _friction_used_up(model: Model, scene: Scene) -> str:
 
 
 def _sliding(model: Model, scene: Scene, used: dict[ContactPair, float]) -> dict[str, tuple[str, ...]]:
-    """Bodies without supports all of whose nodes that press slip, as a belt does on its drum: no rigid motion is free."""
+    """Bodies without supports whose pressing nodes all slip, as those of a belt do: no rigid motion of it is free."""
     pressed = [pair for pair in used if model.state["multipliers"][0, pair.own].any()]
     return {
         body.name: ("sliding along its contacts",)
