@@ -86,8 +86,9 @@ $(RUNNABLE): constraints.txt pyproject.toml $(wildcard plugins/*/pyproject.toml)
 	@$(BIN)/python -m pip --version >/dev/null 2>&1 || { echo "creating $(VENV)"; $(PYTHON) -m venv --clear $(VENV); }
 	@echo "installing contactlab and its plugins into $(VENV)"
 	$(WHEELS)
-	@$(PIP) install --no-compile -c constraints.txt $(VENV)/wheels/*.whl
-	@$(PIP) install --no-compile --no-deps --force-reinstall $(VENV)/wheels/*.whl
+	@$(if $(EARLY),$(PIP) install --no-compile --no-deps --no-warn-conflicts -c constraints.txt $(EARLY) & )\
+	$(PIP) install --no-compile --no-warn-conflicts -c constraints.txt $(VENV)/wheels/*.whl && \
+	$(PIP) install --no-compile --no-deps --no-warn-conflicts --force-reinstall $(VENV)/wheels/*.whl; done=$$?; wait; exit $$done
 	@touch $@
 
 # the program without the viewer (slim.txt), in an environment of its own
@@ -97,6 +98,8 @@ slim:
 	@$(PIP) install --no-compile --no-deps -c constraints.txt --find-links $(VENV)/wheels -r slim.txt
 	@echo "$(BIN)/contactlab runs everything but the viewer"
 
+# what tests need is unpacked beside the rest, on the other core; the last call finds what is missing
+$(INSTALLED): EARLY := distributed pandas pyvista vtk xarray
 $(INSTALLED): $(RUNNABLE)
 	@echo "installing what tests need"
 	@$(PIP) install --no-compile -c constraints.txt --no-build-isolation -e ".[test]"
