@@ -1,11 +1,9 @@
-"""Products with A = R C R^T, what unit forces of factored conditions do to all gaps, in O(conditions).
+"""Products with A = R C R^T, the effect of unit forces of `FactoredRows` on all gaps, in O(constraints).
 
-R = E + T^-T B, E being the conditions' own slave nodes, is never formed. A product is two substitutions with T, the
-matrix B C B^T between them, and two more. Conditions that share a node of B are neighbours, so that B C B^T is a
+R = E + T^-T B, E being the constraints' own slave nodes, is never formed. A product is two substitutions with T, the
+matrix B C B^T between them, and two more. Constraints that share a node of B are neighbours, so that B C B^T is a
 narrow band: once it is there, a product touches no node at all. If a node counts in E and in B, twice in E, or
-joins conditions far apart, forces are spread over the nodes and their motions gathered instead.
-
-`rows` are `FactoredRows` throughout, of which the first k are in use.
+joins constraints far apart, forces are spread over the nodes and their motions gathered instead.
 """
 
 from __future__ import annotations
@@ -15,90 +13,92 @@ from typing import NamedTuple
 import numpy as np
 
 from contactlab.api.arrays import Floats, Ints
+from contactlab.api.compiled.gradient_products import divide, finish_transposed
 from contactlab.api.compiled.kernel import kernel, section
+from contactlab.api.enforcement import FactoredRows
+from contactlab_dynamics.touched import number_nodes
 
-WIDEST = 24  # conditions to either side; wider bands cost more than going through the nodes
+WIDEST = 24  # constraints to either side; wider bands cost more than going through the nodes
 
 
-class Touched(NamedTuple):
-    """The L nodes that rows touch, numbered among themselves.
+class Columns(NamedTuple):
+    """`FactoredRows`, the first k of them in use, with the L nodes that they touch numbered among themselves.
 
-    local, row (z,) node and row of each entry; own (k,) the slave node of weight one in each row, -1 for none
+    local, row  (z,) node and row of each entry; own (k,) the slave node of weight one in each row, -1 for none
+    soft        (L, 2) [mm/N] motion of the nodes by a unit force
+    band        (1 or 2, diagonals, k) [mm/N] B C B^T, none if it is too wide; stiff (k,) share of the own nodes
+    padded      (2, k + diagonals) scratch, zero in the first h places and after the constraints' places
+    carried     (2, k) scratch; nodal (L, 2) scratch, and nodal forces
     """
 
+    rows: FactoredRows
     local: Ints
     row: Ints
     own: Ints
-
-
-class Compliances(NamedTuple):
-    """Motions of touched nodes and conditions under a unit force.
-
-    soft (L, 2) [mm/N] nodes, band (1 or 2, diagonals, k) B C B^T, stiff (k,) [mm/N] share of the own nodes,
-    scale (k,) [mm/N] estimate for each row as a whole
-    """
-
     soft: Floats
     band: Floats
     stiff: Floats
-    scale: Floats
-
-
-class Scratch(NamedTuple):
-    """padded (2, k + diagonals), zero in the first h places and after the conditions' places; carried (2, k);
-    nodal (L, 2)."""
-
     padded: Floats
     carried: Floats
     nodal: Floats
 
 
 @section
-def _solve(rows, y, cx, cy, pad):
-    """T^-1 of the forces y times their normals, from position `pad` of cx and cy on.
+def held_columns(count, rows, compliance):
+    """Return `Columns`, the L global nodes, and an estimate (k,) [mm/N] of each row's own compliance.
 
-    In all substitutions what depends on the last place comes first in its sum: one fused multiply-add per place then
-    is the whole chain of dependences, about half of what it is the other way round.
+    The estimate is its slave node's compliance and the mean of its column's.
     """
-    normal, above, below, inverse = rows.normal, rows.above, rows.below, rows.inverse
-    px, py = 0.0, 0.0
-    for i in range(y.size):
-        v = -below[i] * inverse[i - 1] if i > 0 else 0.0
-        px, py = v * px + y[i] * normal[i, 0], v * py + y[i] * normal[i, 1]
-        cx[pad + i], cy[pad + i] = px, py
-    px, py, factor = 0.0, 0.0, 0.0
-    for i in range(y.size - 1, -1, -1):
-        u, v = inverse[i], -factor * inverse[i]
-        px, py = v * px + u * cx[pad + i], v * py + u * cy[pad + i]
-        cx[pad + i], cy[pad + i] = px, py
-        factor = above[i]
-
-
-@section
-def _finish(rows, wx, wy, out):
-    """Gaps (k,): the normal parts of T^-T w, of which the first substitution is done."""
-    normal, below, inverse = rows.normal, rows.below, rows.inverse
-    px, py, factor = 0.0, 0.0, 0.0
-    for i in range(out.size - 1, -1, -1):
-        v = -factor * inverse[i]
-        px, py = v * px + wx[i], v * py + wy[i]
-        out[i] = normal[i, 0] * px + normal[i, 1] * py
-        factor = below[i]
+    number, found = np.full(compliance.shape[0], -1, np.int32), np.empty(rows.start[count] + count, np.int32)
+    entries = rows.start[count]
+    columns = number_nodes(rows.node[:entries], number, found, 0)
+    nodes = number_nodes(rows.own[:count], number, found, columns)
+    local, row, own, once = np.empty(entries, np.int32), np.zeros(entries + 1, np.int32), np.empty(count, np.int32), 0
+    for z in range(entries):
+        local[z] = number[rows.node[z]]
+    # every entry with its row: no processor predicts the end of loops over the few entries of a row
+    for i in range(1, count):
+        row[rows.start[i]] += 1
+    for z in range(1, entries):
+        row[z] += row[z - 1]
+    for i in range(count):
+        own[i] = number[rows.own[i]] if rows.own[i] >= 0 else -1
+        once += own[i] >= 0
+    soft, scale, stiff = np.empty((nodes, 2)), np.empty(count), np.zeros(count)
+    for n in range(nodes):
+        soft[n, 0], soft[n, 1] = compliance[found[n], 0], compliance[found[n], 1]
+    for i in range(count):
+        nx, ny = rows.normal[i, 0] * rows.normal[i, 0], rows.normal[i, 1] * rows.normal[i, 1]
+        if own[i] >= 0:
+            stiff[i] = nx * soft[own[i], 0] + ny * soft[own[i], 1]
+        total, sum_ = 0.0, 0.0
+        for z in range(rows.start[i], rows.start[i + 1]):
+            w = abs(rows.weight[z])
+            total += w * (nx * soft[local[z], 0] + ny * soft[local[z], 1])
+            sum_ += w
+        scale[i] = (total / sum_ if sum_ > 0.0 else 0.0) + stiff[i]
+    # every own node counts once and in no column: nothing but the band joins constraints
+    band = np.empty((0, 4, count))
+    if columns + once == nodes:
+        band = _band_of(count, rows, local, row[:entries], soft, columns)
+    padded, carried = np.zeros((2, count + band.shape[1])), np.empty((2, count))
+    held = Columns(rows, local, row[:entries], own, soft, band, stiff, padded, carried, np.empty((nodes, 2)))
+    return held, found[:nodes], scale
 
 
 @kernel
-def spread(rows, touched, y, carried, nodal):
-    """Nodal forces R^T y on the touched nodes, (L, 2). `carried` (2, k) is scratch."""
-    local, row, own, normal = touched.local, touched.row, touched.own, rows.normal
+def push_columns(held, y):
+    """Write nodal forces R^T y on the touched nodes."""
+    rows, nodal, normal, own, local, row = held.rows, held.nodal, held.rows.normal, held.own, held.local, held.row
+    cx, cy = held.carried[0], held.carried[1]
     for n in range(nodal.shape[0]):
         nodal[n, 0], nodal[n, 1] = 0.0, 0.0
-    cx, cy = carried[0], carried[1]
-    _solve(rows, y, cx, cy, 0)
     for i in range(y.size):
-        n = own[i]
-        if n >= 0:
-            nodal[n, 0] += y[i] * normal[i, 0]
-            nodal[n, 1] += y[i] * normal[i, 1]
+        cx[i], cy[i] = y[i] * normal[i, 0], y[i] * normal[i, 1]
+        if own[i] >= 0:
+            nodal[own[i], 0] += cx[i]
+            nodal[own[i], 1] += cy[i]
+    divide(rows, cx, cy)
     for z in range(local.size):
         n, i = local[z], row[z]
         nodal[n, 0] += rows.weight[z] * cx[i]
@@ -106,27 +106,18 @@ def spread(rows, touched, y, carried, nodal):
 
 
 @kernel
-def _through_nodes(rows, touched, soft, y, scratch, out):
-    """Product A y (k,), by way of the motions of all touched nodes."""
-    nodal, above, inverse = scratch.nodal, rows.above, rows.inverse
-    spread(rows, touched, y, scratch.carried, nodal)
+def _through_nodes(held, y):
+    """Compute B C R^T y in `carried`, by way of the motions of all touched nodes, which stay in `nodal`."""
+    rows, nodal, soft, (wx, wy) = held.rows, held.nodal, held.soft, (held.carried[0], held.carried[1])
+    push_columns(held, y)
     for n in range(nodal.shape[0]):
         nodal[n, 0], nodal[n, 1] = nodal[n, 0] * soft[n, 0], nodal[n, 1] * soft[n, 1]
-    wx, wy = scratch.carried[0], scratch.carried[1]
-    px, py = 0.0, 0.0
     for i in range(y.size):
         x, y_ = 0.0, 0.0
         for z in range(rows.start[i], rows.start[i + 1]):
-            x += rows.weight[z] * nodal[touched.local[z], 0]
-            y_ += rows.weight[z] * nodal[touched.local[z], 1]
-        u, v = inverse[i], -above[i] * inverse[i]
-        px, py = v * px + u * x, v * py + u * y_
-        wx[i], wy[i] = px, py
-    _finish(rows, wx, wy, out)
-    for i in range(y.size):
-        n = touched.own[i]
-        if n >= 0:
-            out[i] += rows.normal[i, 0] * nodal[n, 0] + rows.normal[i, 1] * nodal[n, 1]
+            x += rows.weight[z] * nodal[held.local[z], 0]
+            y_ += rows.weight[z] * nodal[held.local[z], 1]
+        wx[i], wy[i] = x, y_
 
 
 @kernel
@@ -142,41 +133,42 @@ def _weighed(count, band, moved, out):
 
 
 @section
-def _by_band(rows, compliances, y, scratch, out):
-    """Product A y (k,), from the stored band of A."""
-    band, above, inverse = compliances.band, rows.above, rows.inverse
-    half = band.shape[1] // 2 - 1
-    cx, cy, wx, wy = scratch.padded[0], scratch.padded[1], scratch.carried[0], scratch.carried[1]
-    _solve(rows, y, cx, cy, half)
-    _weighed(y.size, band[0], cx, wx)
-    _weighed(y.size, band[band.shape[0] - 1], cy, wy)
+def product_of_columns(held, y, out):
+    """Compute changes of the gaps (k,) by forces y (k,), A y: by the band if there is one."""
+    rows, band, normal, own, nodal = held.rows, held.band, held.rows.normal, held.own, held.nodal
+    wx, wy, count = held.carried[0], held.carried[1], y.size
+    if band.shape[0] > 0:
+        half = band.shape[1] // 2 - 1
+        cx, cy = held.padded[0][half : half + count], held.padded[1][half : half + count]
+        for i in range(count):
+            cx[i], cy[i] = y[i] * normal[i, 0], y[i] * normal[i, 1]
+        divide(rows, cx, cy)
+        _weighed(count, band[0], held.padded[0], wx)
+        _weighed(count, band[band.shape[0] - 1], held.padded[1], wy)
+    else:
+        _through_nodes(held, y)
     px, py = 0.0, 0.0
-    for i in range(y.size):
-        u, v = inverse[i], -above[i] * inverse[i]
+    for i in range(count):
+        u, v = rows.inverse[i], -rows.above[i] * rows.inverse[i]
         px, py = v * px + u * wx[i], v * py + u * wy[i]
         wx[i], wy[i] = px, py
-    _finish(rows, wx, wy, out)
-    for i in range(y.size):
-        out[i] += compliances.stiff[i] * y[i]
-
-
-@section
-def product(rows, touched, compliances, y, scratch, out):
-    """Changes of the gaps (k,) by forces y (k,), A y."""
-    if compliances.band.shape[0] > 0:
-        _by_band(rows, compliances, y, scratch, out)
-    else:
-        _through_nodes(rows, touched, compliances.soft, y, scratch, out)
+    finish_transposed(rows, wx, wy)
+    for i in range(count):
+        out[i] = normal[i, 0] * wx[i] + normal[i, 1] * wy[i]
+        if band.shape[0] > 0:
+            out[i] += held.stiff[i] * y[i]
+        elif own[i] >= 0:
+            out[i] += normal[i, 0] * nodal[own[i], 0] + normal[i, 1] * nodal[own[i], 1]
 
 
 @kernel
-def band_of(rows, touched, soft, nodes):
+def _band_of(count, rows, local, row, soft, nodes):
     """B C B^T by diagonals for the first `nodes` touched nodes, which B has: (1 or 2, diagonals, k and zeros behind).
 
     Diagonals from -h to h and what fills their number up to a multiple of four: h = diagonals / 2 - 1. One layer
     if all nodes give way alike in x and y; none if the band is too wide.
     """
-    count, local, row, weight = touched.own.size, touched.local, touched.row, rows.weight
+    weight = rows.weight
     first, last, half, layers = np.empty(nodes, np.int32), np.empty(nodes, np.int32), 1, 1
     for z in range(local.size):
         last[local[z]] = row[z]

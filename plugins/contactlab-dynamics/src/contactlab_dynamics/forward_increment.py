@@ -47,7 +47,7 @@ class ForwardIncrement(ExplicitEnforcement):
         self, rows: FactoredGradients, compliance: Floats, multipliers: Floats, force: Floats
     ) -> Solve | None:
         """Solve gradients' rows as `solve_factored` does."""
-        passes, residual, largest = late("contactlab_dynamics.gradient_set").solve_gradients(
+        passes, residual, largest = late("contactlab_dynamics.active_set").solve_gradients(
             rows.factors.count, rows, compliance, multipliers, force, self.tolerance, self.sweeps
         )
         return Solve(passes, residual, 0, largest) if residual <= self.tolerance else None
