@@ -13,7 +13,6 @@ from typing import NamedTuple
 import numpy as np
 
 from contactlab.api.arrays import Floats, Ints
-from contactlab.api.compiled.gradient_products import divide, finish_transposed
 from contactlab.api.compiled.kernel import kernel, section
 from contactlab.api.enforcement import FactoredRows
 from contactlab_dynamics.touched import number_nodes
@@ -86,19 +85,51 @@ def held_columns(count, rows, compliance):
     return held, found[:nodes], scale
 
 
+@section
+def _solve(rows, y, cx, cy, pad):
+    """T^-1 of the forces y times their normals, from position `pad` of cx and cy on.
+
+    In all substitutions what depends on the last place comes first in its sum: one fused multiply-add per place then
+    is the whole chain of dependences, about half of what it is the other way round.
+    """
+    normal, above, below, inverse = rows.normal, rows.above, rows.below, rows.inverse
+    px, py = 0.0, 0.0
+    for i in range(y.size):
+        v = -below[i] * inverse[i - 1] if i > 0 else 0.0
+        px, py = v * px + y[i] * normal[i, 0], v * py + y[i] * normal[i, 1]
+        cx[pad + i], cy[pad + i] = px, py
+    px, py, factor = 0.0, 0.0, 0.0
+    for i in range(y.size - 1, -1, -1):
+        u, v = inverse[i], -factor * inverse[i]
+        px, py = v * px + u * cx[pad + i], v * py + u * cy[pad + i]
+        cx[pad + i], cy[pad + i] = px, py
+        factor = above[i]
+
+
+@section
+def _finish(rows, wx, wy, out):
+    """Gaps (k,): the normal parts of T^-T w, of which the first substitution is done."""
+    normal, below, inverse = rows.normal, rows.below, rows.inverse
+    px, py, factor = 0.0, 0.0, 0.0
+    for i in range(out.size - 1, -1, -1):
+        v = -factor * inverse[i]
+        px, py = v * px + wx[i], v * py + wy[i]
+        out[i] = normal[i, 0] * px + normal[i, 1] * py
+        factor = below[i]
+
+
 @kernel
 def push_columns(held, y):
     """Write nodal forces R^T y on the touched nodes."""
     rows, nodal, normal, own, local, row = held.rows, held.nodal, held.rows.normal, held.own, held.local, held.row
     cx, cy = held.carried[0], held.carried[1]
+    _solve(rows, y, cx, cy, 0)
     for n in range(nodal.shape[0]):
         nodal[n, 0], nodal[n, 1] = 0.0, 0.0
     for i in range(y.size):
-        cx[i], cy[i] = y[i] * normal[i, 0], y[i] * normal[i, 1]
         if own[i] >= 0:
-            nodal[own[i], 0] += cx[i]
-            nodal[own[i], 1] += cy[i]
-    divide(rows, cx, cy)
+            nodal[own[i], 0] += y[i] * normal[i, 0]
+            nodal[own[i], 1] += y[i] * normal[i, 1]
     for z in range(local.size):
         n, i = local[z], row[z]
         nodal[n, 0] += rows.weight[z] * cx[i]
@@ -136,29 +167,27 @@ def _weighed(count, band, moved, out):
 def product_of_columns(held, y, out):
     """Compute changes of the gaps (k,) by forces y (k,), A y: by the band if there is one."""
     rows, band, normal, own, nodal = held.rows, held.band, held.rows.normal, held.own, held.nodal
-    wx, wy, count = held.carried[0], held.carried[1], y.size
-    if band.shape[0] > 0:
-        half = band.shape[1] // 2 - 1
-        cx, cy = held.padded[0][half : half + count], held.padded[1][half : half + count]
-        for i in range(count):
-            cx[i], cy[i] = y[i] * normal[i, 0], y[i] * normal[i, 1]
-        divide(rows, cx, cy)
-        _weighed(count, band[0], held.padded[0], wx)
-        _weighed(count, band[band.shape[0] - 1], held.padded[1], wy)
+    above, inverse, wx, wy, by_band = rows.above, rows.inverse, held.carried[0], held.carried[1], band.shape[0] > 0
+    if by_band:
+        cx, cy = held.padded[0], held.padded[1]
+        _solve(rows, y, cx, cy, band.shape[1] // 2 - 1)
+        _weighed(y.size, band[0], cx, wx)
+        _weighed(y.size, band[band.shape[0] - 1], cy, wy)
     else:
         _through_nodes(held, y)
     px, py = 0.0, 0.0
-    for i in range(count):
-        u, v = rows.inverse[i], -rows.above[i] * rows.inverse[i]
+    for i in range(y.size):
+        u, v = inverse[i], -above[i] * inverse[i]
         px, py = v * px + u * wx[i], v * py + u * wy[i]
         wx[i], wy[i] = px, py
-    finish_transposed(rows, wx, wy)
-    for i in range(count):
-        out[i] = normal[i, 0] * wx[i] + normal[i, 1] * wy[i]
-        if band.shape[0] > 0:
+    _finish(rows, wx, wy, out)
+    if by_band:
+        for i in range(y.size):
             out[i] += held.stiff[i] * y[i]
-        elif own[i] >= 0:
-            out[i] += normal[i, 0] * nodal[own[i], 0] + normal[i, 1] * nodal[own[i], 1]
+    else:
+        for i in range(y.size):
+            if own[i] >= 0:
+                out[i] += normal[i, 0] * nodal[own[i], 0] + normal[i, 1] * nodal[own[i], 1]
 
 
 @kernel

@@ -1,57 +1,25 @@
-"""Products with rows before their coupling T is inverted, G u and G^T y, in O(constraints).
+"""Products with the rows of `FactoredGradients`, G u and G^T y, in O(constraints).
 
-`FactoredGradients` are G_i = normal . (own + [T^-T B])_i + spin d(angle), B in blocks of two by two. An angle belongs
-to the averaged normal of a slave node; it turns by turn . (u_after - u_before), u the motions of the nodes on both
-sides. `FactoredRows` have no angles, and weights for blocks. The first k constraints are in use.
-
-In all substitutions what depends on the last place comes first in its sum: one fused multiply-add per place then is the
-whole chain of dependences, about half of what it is the other way round.
+G_i = normal . (own + [T^-T B])_i + spin d(angle), B in blocks of two by two. An angle belongs to the averaged normal of
+a slave node; it turns by turn . (u_after - u_before), u the motions of the nodes on both sides.
+`rows` are `FactoredGradients` throughout, of which the first k constraints are in use.
 """
 
 from __future__ import annotations
 
-from contactlab.api.compiled.kernel import section, table_kernel
-
-
-@section
-def divide(rows, wx, wy):
-    """Overwrite w (k,) by T^-1 w, for both components. `rows` are `FactoredRows`."""
-    inverse, above, below, last = rows.inverse, rows.above, rows.below, wx.size - 1
-    px, py = 0.0, 0.0
-    for i in range(wx.size):
-        v = -below[i] * inverse[i - 1] if i > 0 else 0.0
-        px, py = v * px + wx[i], v * py + wy[i]
-        wx[i], wy[i] = px, py
-    px, py, factor = 0.0, 0.0, 0.0
-    for i in range(last, -1, -1):
-        u, v = inverse[i], -factor * inverse[i]
-        px, py = v * px + u * wx[i], v * py + u * wy[i]
-        wx[i], wy[i] = px, py
-        factor = above[i]
-
-
-@section
-def finish_transposed(rows, wx, wy):
-    """Overwrite w (k,) by T^-T x if w is x after the first substitution. `rows` are `FactoredRows`."""
-    inverse, below = rows.inverse, rows.below
-    px, py, factor = 0.0, 0.0, 0.0
-    for i in range(wx.size - 1, -1, -1):
-        v = -factor * inverse[i]
-        px, py = v * px + wx[i], v * py + wy[i]
-        wx[i], wy[i] = px, py
-        factor = below[i]
+from contactlab.api.compiled.kernel import table_kernel
 
 
 @table_kernel
 def conditions_moved(rows, count, nodal, turned, carried, out):
     """Compute changes G u of the gaps (k,) by `nodal` motions (L, 2); scratch: `turned` (a,), `carried` (2, k)."""
     f, block, angles, lever, angle_start = rows.factors, rows.block, rows.angle, rows.lever, rows.angle_start
-    start, node, own, normal, inverse, above = f.start, f.node, f.own, f.normal, f.inverse, f.above
+    start, node, own, normal, inverse, above, below = f.start, f.node, f.own, f.normal, f.inverse, f.above, f.below
     ends, turn, spin, own_angle = rows.ends, rows.turn, rows.spin, rows.own_angle
-    px, py, wx, wy = 0.0, 0.0, carried[0][:count], carried[1][:count]
     for a in range(rows.used[1]):
         b, c = ends[a, 0], ends[a, 1]
         turned[a] = turn[a, 0] * (nodal[c, 0] - nodal[b, 0]) + turn[a, 1] * (nodal[c, 1] - nodal[b, 1])
+    px, py, wx, wy = 0.0, 0.0, carried[0], carried[1]
     for i in range(count):
         x, y = 0.0, 0.0
         for z in range(start[i], start[i + 1]):
@@ -65,35 +33,43 @@ def conditions_moved(rows, count, nodal, turned, carried, out):
         u, v = inverse[i], -above[i] * inverse[i]
         px, py = v * px + u * x, v * py + u * y
         wx[i], wy[i] = px, py
-    finish_transposed(f, wx, wy)
-    for i in range(count):
-        x, y = wx[i], wy[i]
+    px, py, factor = 0.0, 0.0, 0.0
+    for i in range(count - 1, -1, -1):
+        v = -factor * inverse[i]
+        px, py = v * px + wx[i], v * py + wy[i]
+        x, y = px, py
         if own[i] >= 0:
             x, y = x + nodal[own[i], 0], y + nodal[own[i], 1]
         out[i] = normal[i, 0] * x + normal[i, 1] * y + spin[i] * turned[own_angle[i]]
+        factor = below[i]
 
 
 @table_kernel
 def nodes_pushed(rows, y, nodal, moment, carried):
-    """Write nodal forces G^T y to `nodal` (L, 2) by forces y (k,); `moment` (a,) and `carried` (2, k) are scratch."""
+    """Add nodal forces G^T y to `nodal` (L, 2) by forces y (k,); `moment` (a,) and `carried` (2, k) are scratch."""
     f, count = rows.factors, y.size
     block, angles, lever, angle_start = rows.block, rows.angle, rows.lever, rows.angle_start
-    start, node, own, normal = f.start, f.node, f.own, f.normal
+    start, node, own, normal, inverse, above, below = f.start, f.node, f.own, f.normal, f.inverse, f.above, f.below
     ends, turn, spin, own_angle = rows.ends, rows.turn, rows.spin, rows.own_angle
-    wx, wy = carried[0][:count], carried[1][:count]
     for n in range(rows.used[0]):
         nodal[n, 0], nodal[n, 1] = 0.0, 0.0
     for a in range(rows.used[1]):
         moment[a] = 0.0
+    px, py, cx, cy = 0.0, 0.0, carried[0], carried[1]
     for i in range(count):
-        wx[i], wy[i] = y[i] * normal[i, 0], y[i] * normal[i, 1]
+        v = -below[i] * inverse[i - 1] if i > 0 else 0.0
+        x, y_ = y[i] * normal[i, 0], y[i] * normal[i, 1]
+        px, py = v * px + x, v * py + y_
+        cx[i], cy[i] = px, py
         if own[i] >= 0:
-            nodal[own[i], 0] += wx[i]
-            nodal[own[i], 1] += wy[i]
+            nodal[own[i], 0] += x
+            nodal[own[i], 1] += y_
         moment[own_angle[i]] += spin[i] * y[i]
-    divide(f, wx, wy)
+    px, py, factor = 0.0, 0.0, 0.0
     for i in range(count - 1, -1, -1):
-        px, py = wx[i], wy[i]
+        u, v = inverse[i], -factor * inverse[i]
+        px, py = v * px + u * cx[i], v * py + u * cy[i]
+        factor = above[i]
         for z in range(start[i], start[i + 1]):
             n = node[z]
             nodal[n, 0] += block[z, 0, 0] * px + block[z, 1, 0] * py
