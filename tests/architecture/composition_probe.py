@@ -26,8 +26,6 @@ METHODS = {
     "contact": {"pieces": "contact pieces", "normals": "contact normals", "conditions": "contact conditions"},
     "enforcement": {
         "solve": "contact enforcement",
-        "solve_factored": "contact enforcement",
-        "solve_gradients": "contact enforcement",
         "respond": "contact enforcement",
     },
 }

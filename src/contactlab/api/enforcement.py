@@ -4,17 +4,52 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from contactlab.api.arrays import Floats
 from contactlab.api.compiled.bound_arrays import Floats1, Floats2, Floats3, Ints1, Ints2, KernelArgument
+from contactlab.api.compiled.late import late
+
+
+class GapRows(KernelArgument, ABC):
+    """The gap constraints of all contacts of a model in any form: a matrix G, k normal rows by 2N coordinates.
+
+    Gaps change by G u with a motion u of the nodes, and forces of the constraints push the nodes by G^T y. Rows of
+    frozen and of consistent forces differ in the values of G alone. With friction k tangential rows follow. Every form
+    has the `count`, `gap`, `size` and `slot` of `Rows`. These methods serve Python; compiled enforcements take the
+    arrays of a form.
+    """
+
+    @abstractmethod
+    def to_csr(self, nodes: int) -> Any:
+        """Return G as a sparse matrix, for a model of so many nodes."""
+
+    def apply(self, motion: Floats) -> Floats:
+        """Return G u, the changes (k,) [mm] of the gaps by a motion (N, 2) [mm]; slips follow with friction."""
+        return np.asarray(self.to_csr(len(motion)) @ motion.ravel())
+
+    def apply_transposed(self, y: Floats, nodes: int) -> Floats:
+        """Return G^T y, the nodal forces (N, 2) [N] of forces (k,) [N] of the constraints, normal, then tangential."""
+        return np.asarray(self.to_csr(nodes).T @ y).reshape(-1, 2)
+
+    def diagonal(self, compliance: Floats) -> Floats:
+        """Return the change (k,) [mm/N] of each gap by its own force, with the compliance (N, 2) [mm/N] of nodes."""
+        return np.asarray(self.to_csr(len(compliance)).power(2) @ compliance.ravel())
+
+
+def _sparse(start: Ints1, node: Ints1, weight: Floats, nodes: int) -> Any:
+    """Return rows of `weight` (z, 2) on nodes as a sparse matrix (k, 2N); entries of a row and node are summed."""
+    end, column = start[-1], 2 * node[: start[-1], None] + np.arange(2)
+    parts = weight[:end].ravel(), column.ravel(), 2 * start
+    return late("scipy.sparse").csr_array(parts, (len(start) - 1, 2 * nodes))
 
 
 @dataclass
-class Rows(KernelArgument):
-    """The gap constraints of all contacts of a model, `count` of them in use.
+class Rows(GapRows):
+    """Gap constraints, written out, `count` of them in use.
 
     start          (k + 1,) int32
     node           (z,) int32 global nodes
@@ -55,13 +90,19 @@ class Rows(KernelArgument):
             offset, np.zeros((3, slip)), np.zeros((4, rows)),
         )  # fmt: skip
 
+    def to_csr(self, nodes: int) -> Any:
+        """Return normal rows, then tangential rows if there is friction."""
+        weights = (self.normal_weight, self.tangent_weight) if len(self.slip) else (self.normal_weight,)
+        parts = [_sparse(self.start[: self.count + 1], self.node, weight, nodes) for weight in weights]
+        return late("scipy.sparse").vstack(parts, "csr")
+
 
 @dataclass
-class FactoredRows(KernelArgument):
+class FactoredRows(GapRows):
     """Frictionless gap constraints before their coupling is inverted, `count` of them in use.
 
-    Constraint i is normal . (own + [T^-T B])_i: B has few entries per constraint, T couples neighbours. It is the
-    row that `Rows` holds as many weights, for enforcements that only need products.
+    Constraint i is normal . (own + [T^-T B])_i: B has few entries per constraint, T couples neighbours. `Rows` hold
+    the same as many weights.
 
     start    (k + 1,) int32
     node     (z,) int32 global nodes, weight (z,) [mm]: row i of B
@@ -98,9 +139,34 @@ class FactoredRows(KernelArgument):
             gap, size, slot, above, below, inverse, left,
         )  # fmt: skip
 
+    @property
+    def factors(self) -> FactoredRows:
+        """Return the rows themselves, as `FactoredGradients` contain theirs."""
+        return self
+
+    def to_csr(self, nodes: int) -> Any:
+        """Return rows with T inverted."""
+        start = self.start[: self.count + 1]
+        along = [_sparse(start, self.node, self.weight[:, None] * axis, nodes) for axis in np.eye(2)]
+        return self.solved(along, self.own[: self.count], nodes)
+
+    def solved(self, along: list[Any], own: Any, nodes: int) -> Any:
+        """Return normal . (own + [T^-T B]) for the x and y components of B, `along`, and global `own` nodes (k,)."""
+        k, sparse = self.count, late("scipy.sparse")
+        above, below, inverse = self.above[1:k], self.below[1:k], self.inverse[:k]
+        coupling = np.zeros((3, k))  # the diagonals of T^T, from its factors
+        coupling[0, 1:], coupling[1], coupling[2, :-1] = below, 1.0 / inverse, above
+        coupling[1, 1:] += above * below * inverse[:-1]
+        inverted = late("scipy.linalg").solve_banded((1, 1), coupling, np.eye(k)) if k else np.zeros((0, 0))
+        found, row = sparse.csr_array((k, 2 * nodes)), np.flatnonzero(own >= 0)
+        for c, columns in enumerate(along):
+            own_node = sparse.csr_array((np.ones(len(row)), (row, 2 * own[row] + c)), (k, 2 * nodes))
+            found += sparse.diags_array(self.normal[:k, c]) @ (own_node + sparse.csr_array(inverted) @ columns)
+        return found
+
 
 @dataclass
-class FactoredGradients(KernelArgument):
+class FactoredGradients(GapRows):
     """Frictionless constraints whose rows are the derivatives of their gaps, before their coupling is inverted.
 
     The row of constraint i is normal . (own + [T^-T B])_i + spin d(angle); products with it are in
@@ -132,6 +198,9 @@ class FactoredGradients(KernelArgument):
     offset: Floats1
     used: Ints1
 
+    count, gap = property(attrgetter("factors.count")), property(attrgetter("factors.gap"))
+    size, slot = property(attrgetter("factors.size")), property(attrgetter("factors.slot"))
+
     @classmethod
     def allocate(cls, rows: int, entries: int, nodes: int) -> FactoredGradients:
         """Allocate zeroed arrays for so many constraints, entries of both kinds, and nodes."""
@@ -142,6 +211,18 @@ class FactoredGradients(KernelArgument):
             factors, np.zeros((entries, 2, 2)), node, near, angle, np.zeros((entries, 2)),
             np.zeros((nodes, 2), np.int32), np.zeros((nodes, 2)), own_angle, spin, offset, np.zeros(2, np.int32),
         )  # fmt: skip
+
+    def to_csr(self, nodes: int) -> Any:
+        """Return rows with T inverted and the turning of normals."""
+        f, angles, sparse = self.factors, self.used[1], late("scipy.sparse")
+        k, start, node, place = f.count, f.start[: f.count + 1], self.nodes[f.node], self.angle_start[: f.count + 1]
+        turn = np.stack([-self.turn[:angles], self.turn[:angles]], axis=1).reshape(-1, 2)
+        turning = _sparse(np.arange(0, 2 * angles + 1, 2), self.nodes[self.ends[:angles].ravel()], turn, nodes)
+        lever, angle = self.lever[: place[-1]], self.angle[: place[-1]]
+        levers = [sparse.csr_array((lever[:, c], angle, place), (k, angles)) for c in range(2)]
+        along = [_sparse(start, node, self.block[:, c], nodes) + levers[c] @ turning for c in range(2)]
+        own = np.where(f.own[:k] >= 0, self.nodes[f.own[:k]], -1)
+        return f.solved(along, own, nodes) + sparse.diags_array(self.spin[:k]) @ turning[self.own_angle[:k]]
 
 
 class Solve(NamedTuple):
@@ -176,7 +257,8 @@ class Enforcement(ABC):  # noqa: B024 - its two kinds share no method
 class ExplicitEnforcement(Enforcement):
     """Base of enforcements for explicit integrators, which correct predicted positions in the same step.
 
-    factored   it has `solve_factored`, which is called first if all constraints can be given in this form
+    factored   True: `solve` also takes rows before their coupling is inverted, `FactoredRows` and
+               `FactoredGradients`. They come first if all constraints can be given so; None asks for `Rows`
 
     Rows of consistent forces are the derivatives of the gaps at the start of the step, and `Rows.gap` is the predicted
     motion less the allowed motion (docs/theory/contact-energy.md). Rows of frozen forces are weights and normals at
@@ -185,27 +267,30 @@ class ExplicitEnforcement(Enforcement):
 
     factored: ClassVar[bool] = False
 
-    def solve_factored(
-        self, rows: FactoredRows, compliance: Floats, multipliers: Floats, force: Floats
-    ) -> Solve | None:
-        """Solve like `solve`; return None on failure, with multipliers and forces unchanged."""
-        raise NotImplementedError
-
-    def solve_gradients(
-        self, rows: FactoredGradients, compliance: Floats, multipliers: Floats, force: Floats
-    ) -> Solve | None:
-        """Solve like `solve_factored`, for rows that are the derivatives of their gaps (consistent forces)."""
-        return None
-
     @abstractmethod
-    def solve(self, rows: Rows, compliance: Floats, multipliers: Floats, force: Floats) -> Solve:
+    def solve(self, rows: Any, compliance: Floats, multipliers: Floats, force: Floats) -> Solve | None:
         """Fill `multipliers` and `force` so that the constraints hold at the corrected positions,
-        predicted + compliance * force.
+        predicted + compliance * force. Return None, with both unchanged, if rows that are not `Rows` cannot be solved.
 
+        rows        `Rows`; any `GapRows` if `factored`
         compliance  (N, 2) [mm/N]  displacement per force within the step; 0 if motion is prescribed
         multipliers (1 or 2, slots) [N]  warm start in, nodal forces y out; slots without a row become 0
         force       (N, 2) [N]  contact forces on all nodes, G^T y; overwritten
         """
+
+    def solve_factored(
+        self, rows: FactoredRows, compliance: Floats, multipliers: Floats, force: Floats
+    ) -> Solve | None:
+        """Call `solve`. An enforcement with a method of this older name gets these rows there."""
+        return self.solve(rows, compliance, multipliers, force)
+
+    def solve_gradients(
+        self, rows: FactoredGradients, compliance: Floats, multipliers: Floats, force: Floats
+    ) -> Solve | None:
+        """Call `solve`. An enforcement with a method of this older name gets these rows there."""
+        if type(self).solve_factored is not ExplicitEnforcement.solve_factored:
+            return None  # its `solve` takes `Rows` alone
+        return self.solve(rows, compliance, multipliers, force)
 
 
 @dataclass

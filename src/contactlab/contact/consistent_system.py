@@ -12,7 +12,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from contactlab.api import ExplicitEnforcement, FactoredGradients, FactoredRows, Floats, Ints, Rows, Solve, State
+from contactlab.api import ExplicitEnforcement, FactoredGradients, FactoredRows, Floats, Ints, Rows, State
 from contactlab.api.compiled.bound_arrays import BoundArrays
 from contactlab.contact.explicit_system import GROW, Columns, ContactSystem, Reduced
 from contactlab.contact.gradients import PairGradients
@@ -54,9 +54,9 @@ class ConsistentContactSystem(ContactSystem):
             return ()
         found: list[Reduced] = []
         if len(known := with_ends(pairs)) == len(pairs):
-            found.append(ModelGradients(known, self.enforcement, self.state))
+            found.append(ModelGradients(known, self.state))
         if len(closest := joined(self.passes)) == len(self.passes):
-            found.append(ConstantColumns(closest, self.enforcement, self.state))
+            found.append(ConstantColumns(closest, self.state))
         return tuple(found)
 
     def _update(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> None:
@@ -82,21 +82,18 @@ class ConsistentContactSystem(ContactSystem):
         allow_motion(first, rows.count, rows, current, predicted, self.velocity, self.state.last_dt, strict)
 
 
-class ModelGradients:
-    """The factored rows of a model's pairs, rebuilt in every step; see `Reduced`."""
+class ModelGradients(Reduced):
+    """The factored rows of a model's pairs, rebuilt in every step."""
 
-    def __init__(self, pairs: Sequence[OperatorPair], enforcement: ExplicitEnforcement, state: State) -> None:
-        self.enforcement, self.state = enforcement, state
+    rows: FactoredGradients
+
+    def __init__(self, pairs: Sequence[OperatorPair], state: State) -> None:
+        self.state = state
         self.number = np.full(len(state["displacement"]), -1, np.int32)
         self.touched = sum(len(pair.slave.nodes) + len(pair.master.nodes) for pair in pairs)
         self.ends = [PairEnds(pair, self.number, self.touched) for pair in pairs]
         self.memories = [pair.memory_in(state) for pair in pairs]
         self.rows = self._room(8 * sum(pair.slots for pair in pairs))
-
-    @property
-    def factors(self) -> FactoredRows:
-        """The chains of T, and the gaps."""
-        return self.rows.factors
 
     def _room(self, entries: int) -> FactoredGradients:
         self.number[:] = -1
@@ -104,18 +101,18 @@ class ModelGradients:
 
     def assemble(self, current: Floats, predicted: Floats) -> bool:
         """Make the rows of all pairs as last updated; False if an algorithm does not give its overlap ends."""
-        self.factors.count = 0
+        self.rows.factors.count = 0
         for ends, memory in zip(self.ends, self.memories, strict=True):
             if not ends.found(memory):
                 return False
         while not self._written():
-            self.rows = self._room(int(GROW * len(self.factors.node)) + 64)
+            self.rows = self._room(int(GROW * len(self.rows.factors.node)) + 64)
         rows, state = self.rows, self.state
         factored_gradients.allow_factored_motion(
-            self.factors.count, rows, current, predicted, state["velocity"], state.last_dt
+            self.rows.factors.count, rows, current, predicted, state["velocity"], state.last_dt
         )
         for ends in self.ends:
-            push_facets(ends.pair, self.factors, state, offset=rows.offset)
+            push_facets(ends.pair, self.rows.factors, state, offset=rows.offset)
         return True
 
     def _written(self) -> bool:
@@ -127,12 +124,8 @@ class ModelGradients:
             )
             if count < 0:
                 return False
-        self.factors.count = count
+        self.rows.factors.count = count
         return True
-
-    def solve(self, compliance: Floats, multipliers: Floats, force: Floats) -> Solve | None:
-        """See `Reduced`."""
-        return self.enforcement.solve_gradients(self.rows, compliance, multipliers, force)
 
 
 class PairEnds:
@@ -180,28 +173,22 @@ class ConstantColumns(Columns):
     """Rows along normals that are exact derivatives of the gaps, as closest points are joined."""
 
     pairs: Sequence[OperatorPair]
+    offset: Floats
 
-    def __init__(self, pairs: Sequence[OperatorPair], enforcement: ExplicitEnforcement, state: State) -> None:
-        super().__init__(pairs, enforcement)
-        self.state, self.offset = state, np.zeros(len(self.factors.gap))
+    def __init__(self, pairs: Sequence[OperatorPair], state: State) -> None:
+        super().__init__(pairs)
+        self.state, self.offset = state, np.zeros(len(self.rows.gap))
 
     def assemble(self, current: Floats, predicted: Floats) -> bool:
-        """See `Reduced`; False if joined points are offset across the normal."""
+        """Make the rows; False if joined points are offset across the normal."""
         if any(largest_sideways(pair.address) > ROUND for pair in self.pairs):
             return False
         super().assemble(current, predicted)
-        rows, velocity, dt = self.factors, self.state["velocity"], self.state.last_dt
+        rows, velocity, dt = self.rows, self.state["velocity"], self.state.last_dt
         allow_constant_motion(rows.count, rows, current, predicted, velocity, dt, self.offset)
         for pair in self.pairs:
             push_facets(pair, rows, self.state, offset=self.offset)
         return True
-
-    def solve(self, compliance: Floats, multipliers: Floats, force: Floats) -> Solve | None:
-        """See `Reduced`; the remaining gaps belong to the end of the step."""
-        done = super().solve(compliance, multipliers, force)
-        if done is not None:
-            self.factors.left[: self.factors.count] += self.offset[: self.factors.count]
-        return done
 
 
 def joined(pairs: Sequence[ContactPair]) -> list[OperatorPair]:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable, Sequence
 from functools import partial
 from time import perf_counter
-from typing import TYPE_CHECKING, ClassVar, Protocol, cast
+from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 import numpy as np
 
-from contactlab.api import ExplicitEnforcement, FactoredRows, Floats, Rows, Solve, State
+from contactlab.api import ExplicitEnforcement, FactoredGradients, FactoredRows, Floats, GapRows, Rows, Solve, State
 from contactlab.contact.pair import ContactPair, shown
 from contactlab.contact.sliding import FOLLOWED, taking_tractions, varying
 from contactlab.errors import WrongAnswer
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 MARGIN = 0.1  # segment lengths: constraints with a larger gap cannot close within a step
 GROW = 1.5
 ROUNDS = 20  # most solves of a step in which bounds follow slips
+# all of them are `solve`, unless a part has a method of an older name
+SOLVE = {Rows: "solve", FactoredRows: "solve_factored", FactoredGradients: "solve_gradients"}
 
 
 class ContactSystem:
@@ -52,7 +55,7 @@ class ContactSystem:
         self.cornered = [(pair.corners, pair) for pair in points]
         self.reduced = self._reductions(tuple(pair for pair in pairs if not pair.at_corners))
         if self.reduced:
-            self.factored = self.reduced[0].factors
+            self.factored = self.reduced[0].rows.factors
         self.last, self.compliance = Solve(0, 0.0, 0, 0.0), np.zeros_like(state["displacement"])
         self.seconds = self.solution_s = 0.0
         self.split: WorkSplit | None = None
@@ -75,7 +78,7 @@ class ContactSystem:
     def _reductions(self, pairs: tuple[ContactPair, ...]) -> tuple[Reduced, ...]:
         """Return the rows of the `pairs` that are tried before the rows that are written out."""
         if self.enforcement.factored and not self.friction and all(pair.factored for pair in pairs):
-            return (Columns(pairs, self.enforcement),)
+            return (Columns(pairs),)
         return ()
 
     def _update(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> None:
@@ -126,12 +129,13 @@ class ContactSystem:
         """Functions called with the end and the length [s] of each step after it: bounds that follow stresses."""
         return taking_tractions(self.varying)
 
-    def _enforce(self, compliance: Floats, force: Floats) -> Solve:
-        """Solve for the forces of the rows."""
+    def _enforce(self, rows: GapRows, compliance: Floats, force: Floats) -> Any:
+        """Solve for the forces of rows of any form. Return a `Solve`; None if reduced rows have no solution."""
         began = perf_counter()
-        done = self.enforcement.solve(self.rows, compliance, self.multipliers, force)
+        name = SOLVE[type(rows)]
+        done = getattr(self.enforcement, name)(rows, compliance, self.multipliers, force)
         self.solution_s += perf_counter() - began
-        if type(done) is not Solve:
+        if type(done) is not Solve and (done is not None or name == "solve"):
             raise WrongAnswer(f"{type(self.enforcement).__name__}: solve gave {type(done).__name__}, needed: Solve")
         return done
 
@@ -165,10 +169,11 @@ class ContactSystem:
             self.rows.count = 0
             for reduced in self.reduced:
                 if reduced.assemble(current, predicted):
-                    self.factored, began = reduced.factors, perf_counter()
-                    done = reduced.solve(compliance, self.multipliers, force)
-                    self.solution_s += perf_counter() - began
+                    self.factored = f = reduced.rows.factors
+                    done: Solve | None = self._enforce(reduced.rows, compliance, force)
                     if done is not None:
+                        if reduced.offset is not None:
+                            f.left[: f.count] += reduced.offset[: f.count]
                         return done
         if self.factored is not None:
             self.factored.count = 0  # output writers are not to see these rows
@@ -178,9 +183,9 @@ class ContactSystem:
         margin, warm = self.margin, self.multipliers.copy()
         while True:
             self._assemble(margin, current, predicted)
-            done = self._enforce(compliance, force)
+            done: Solve = self._enforce(self.rows, compliance, force)
             if self.varying:
-                done = self._follow(done, lambda: self._enforce(compliance, force), compliance, force)
+                done = self._follow(done, lambda: self._enforce(self.rows, compliance, force), compliance, force)
             # a left-out row could have closed only if nodes were moved by a good part of the margin
             if 4.0 * done.largest_correction <= margin or margin == np.inf:
                 return done
@@ -207,40 +212,35 @@ class ContactSystem:
         return self.passes[number].append_rows(self.rows, entries, margin, self.multipliers, current)
 
 
-class Reduced(Protocol):
+class Reduced(ABC):
     """Rows of a model before the couplings T of their multipliers are inverted."""
 
-    @property
-    def factors(self) -> FactoredRows:
-        """The chains of T, and the gaps."""
+    rows: FactoredRows | FactoredGradients
+    offset: Floats | None = None
+    """Gaps (k,) [mm] to add to the gaps that a solve leaves, if it does not add them."""
 
+    @abstractmethod
     def assemble(self, current: Floats, predicted: Floats) -> bool:
         """Make the rows for a step between these positions (N, 2); False if there are no such rows."""
 
-    def solve(self, compliance: Floats, multipliers: Floats, force: Floats) -> Solve | None:
-        """Find forces of the rows, as `contactlab.api.ExplicitEnforcement.solve`; None if there is no solution."""
 
-
-class Columns:
+class Columns(Reduced):
     """Rows along normals: columns of D and M, and the factors of T."""
 
     pairs: Sequence[ContactPair]
+    rows: FactoredRows
 
-    def __init__(self, pairs: Sequence[ContactPair], enforcement: ExplicitEnforcement) -> None:
-        self.pairs, self.enforcement, slots = pairs, enforcement, sum(pair.slots for pair in pairs)
-        self.factors = FactoredRows.allocate(slots, 8 * slots)
+    def __init__(self, pairs: Sequence[ContactPair]) -> None:
+        self.pairs, slots = pairs, sum(pair.slots for pair in pairs)
+        self.rows = FactoredRows.allocate(slots, 8 * slots)
 
     def assemble(self, current: Floats, predicted: Floats) -> bool:
         """Make the rows of all pairs as last updated."""
         while True:
-            self.factors.count = 0
-            if all(pair.append_factored(self.factors) for pair in self.pairs):
+            self.rows.count = 0
+            if all(pair.append_factored(self.rows) for pair in self.pairs):
                 return True
-            self.factors = FactoredRows.allocate(len(self.factors.gap), int(GROW * len(self.factors.node)) + 64)
-
-    def solve(self, compliance: Floats, multipliers: Floats, force: Floats) -> Solve | None:
-        """See `Reduced`."""
-        return self.enforcement.solve_factored(self.factors, compliance, multipliers, force)
+            self.rows = FactoredRows.allocate(len(self.rows.gap), int(GROW * len(self.rows.node)) + 64)
 
 
 def slips(rows: Rows, slots: int, compliance: Floats, force: Floats) -> tuple[Floats, Floats]:

@@ -95,7 +95,7 @@ class WorkSplit:
 
     def _joins_closest_points(self) -> bool:
         rows = self.contact.factored
-        joins = (isinstance(reduced, ConstantColumns) and reduced.factors is rows for reduced in self.contact.reduced)
+        joins = (isinstance(reduced, ConstantColumns) and reduced.rows is rows for reduced in self.contact.reduced)
         return rows is not None and rows.count > 0 and any(joins)
 
     def _normal_force(self) -> Floats:
@@ -103,11 +103,8 @@ class WorkSplit:
         rows = self.contact.rows
         if not rows.count or not self.contact.friction:
             return self.state["contact_force"]
-        entries = slice(0, rows.start[rows.count])
-        y = np.repeat(self.contact.multipliers[0, rows.slot[: rows.count]], np.diff(rows.start[: rows.count + 1]))
-        force = np.zeros_like(self.velocity)
-        np.add.at(force, rows.node[entries], y[:, None] * rows.normal_weight[entries])
-        return force
+        normal = rows.to_csr(len(self.velocity))[: rows.count]
+        return np.asarray(normal.T @ self.contact.multipliers[0, rows.slot[: rows.count]]).reshape(-1, 2)
 
 
 def split_work(contact: Any, integrator: Integrator, state: State, reference: Floats, where: Where) -> None:

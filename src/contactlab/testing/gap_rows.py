@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import nnls
@@ -87,4 +89,5 @@ def solved(
     if not isinstance(enforcement, ExplicitEnforcement):
         raise NotApplicable("the enforcement is not for explicit integrators")
     out = np.full(compliance.shape, 7.0) if force is None else force  # garbage that has to be overwritten
-    return enforcement.solve(rows, compliance, multipliers, out), out
+    done: Any = enforcement.solve(rows, compliance, multipliers, out)
+    return done, out

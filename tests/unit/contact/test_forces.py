@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
 
 import contactlab
+from contactlab.api import ExplicitEnforcement, FactoredGradients, FactoredRows, Floats, GapRows, Rows, Solve
+from contactlab.api.compiled.gradient_products import conditions_moved, nodes_pushed
 from contactlab.contact.consistent_system import ConsistentContactSystem
 from contactlab.explanation.explain import explain
 from contactlab.model.build import build
 from contactlab.model.model import Model
+from contactlab.testing.gap_rows import direct_forces, operator
 
 FINE = {"bodies.block.mesh.cells": [72, 12]}  # 2.7 times shorter than the disc's
 
@@ -76,6 +80,106 @@ def test_short_ways_lead_where_full_rows_do(algorithm: str) -> None:
     np.testing.assert_allclose(
         short.state["displacement"] / largest, full.state["displacement"] / largest, rtol=0.0, atol=atol
     )
+
+
+@pytest.mark.parametrize(
+    ("algorithm", "forces", "atol"),
+    # without small weights of full rows, by ends without the stretch of the slave
+    [("mortar-p1", "frozen", 1e-12), ("node-on-segment", "consistent", 1e-9), ("mortar-p0", "consistent", 2e-3)],
+)
+def test_every_form_of_rows_is_one_matrix(algorithm: str, forces: str, atol: float) -> None:
+    short, full = (model_of({"contacts.0.algorithm": algorithm}, forces) for _ in range(2))
+    full.contact.reduced, full.contact.factored = (), None  # type: ignore[union-attr]
+    for model in (short, full):
+        model.bound_integrator().step(0.9 * model.stable_step())
+    reduced: GapRows = next(one.rows for one in short.contact.reduced if one.rows.count)  # type: ignore[union-attr]
+    rows, nodes = full.contact.rows, len(full.state["displacement"])  # type: ignore[union-attr]
+    of_slot = {slot: i for i, slot in enumerate(reduced.slot[: reduced.count])}
+    same = [of_slot[slot] for slot in rows.slot[: rows.count]]
+    assert len(same) > 3
+    matrix, rng = reduced.to_csr(nodes), np.random.default_rng(1)
+    np.testing.assert_allclose(matrix[same].toarray(), rows.to_csr(nodes).toarray(), rtol=0.0, atol=atol)
+    motion, y, compliance = rng.normal(size=(nodes, 2)), rng.normal(size=reduced.count), rng.uniform(size=(nodes, 2))
+    dense = matrix.toarray()
+    np.testing.assert_allclose(reduced.apply(motion), dense @ motion.ravel(), atol=1e-13)
+    np.testing.assert_allclose(reduced.apply_transposed(y, nodes).ravel(), dense.T @ y, atol=1e-13)
+    np.testing.assert_allclose(reduced.diagonal(compliance), np.diag(dense * compliance.ravel() @ dense.T), atol=1e-13)
+    if isinstance(reduced, FactoredGradients):  # compiled products
+        touched, out = reduced.nodes[: reduced.used[0]], np.zeros(reduced.count)
+        nodal, turned, carried = motion[touched], np.zeros(reduced.used[1]), np.zeros((2, reduced.count))
+        conditions_moved(reduced, reduced.count, nodal, turned, carried, out)
+        np.testing.assert_allclose(out, reduced.apply(motion), atol=1e-12)
+        nodes_pushed(reduced, y, nodal, turned, carried)
+        np.testing.assert_allclose(nodal, reduced.apply_transposed(y, nodes)[touched], atol=1e-12)
+
+
+@dataclass(frozen=True)
+class ByMatrix(ExplicitEnforcement):
+    """Takes rows of any form as a sparse matrix."""
+
+    factored: ClassVar[bool] = True
+    given: ClassVar[set[type]] = set()
+
+    forces: str = "consistent"
+
+    def solve(self, rows: GapRows, compliance: Floats, multipliers: Floats, force: Floats) -> Solve:
+        self.given.add(type(rows))
+        multipliers[:] = 0.0
+        if rows.count:
+            weights = rows.to_csr(len(force)).toarray().reshape(-1, *force.shape)
+            y = direct_forces(operator(weights, compliance), rows.gap[: rows.count])
+            multipliers[0, rows.slot[: rows.count]] = y
+            force[:] = rows.apply_transposed(y, len(force))
+        else:
+            force[:] = 0.0
+        return Solve(1, 0.0, 0, float(np.abs(compliance * force).max()))
+
+
+@dataclass(frozen=True)
+class ByOlderName(ByMatrix):
+    """Has a method for `FactoredRows`, as before `solve` took every form."""
+
+    given: ClassVar[set[type]] = set()
+
+    def solve_factored(self, rows: FactoredRows, compliance: Floats, multipliers: Floats, force: Floats) -> Solve:
+        return super().solve(rows, compliance, multipliers, force)
+
+
+@dataclass(frozen=True)
+class OfRowsAlone(ByMatrix):
+    """Takes no rows but `Rows`."""
+
+    factored: ClassVar[bool] = False
+    given: ClassVar[set[type]] = set()
+
+
+@pytest.mark.parametrize(
+    ("part", "algorithm", "forces", "form"),
+    [
+        (ByMatrix, "mortar-p0", "consistent", FactoredGradients),
+        (ByMatrix, "mortar-p0", "frozen", FactoredRows),
+        (ByMatrix, "node-on-segment", "consistent", FactoredRows),
+        (ByOlderName, "mortar-p0", "frozen", FactoredRows),
+        (ByOlderName, "mortar-p0", "consistent", Rows),
+        (OfRowsAlone, "mortar-p0", "frozen", Rows),
+        (OfRowsAlone, "mortar-p0", "consistent", Rows),
+    ],
+)
+def test_one_solve_takes_every_form(part: type[ByMatrix], algorithm: str, forces: str, form: type[GapRows]) -> None:
+    own, shipped = (model_of({"contacts.0.algorithm": algorithm}, forces) for _ in range(2))
+    assert own.contact is not None
+    part.given.clear()
+    own.contact.enforcement = part()
+    own.contact.reduced = own.contact._reductions(own.contact.passes)
+    for model in (own, shipped):
+        advance, dt = model.bound_integrator().step, 0.9 * model.stable_step()
+        for _ in range(50):
+            advance(dt)
+    assert part.given == {form}
+    assert shipped.state["multipliers"].max() > 0.0
+    # by ends the stretch of the slave is left out, 1e-4 of the rest
+    atol = (1e-4 if form is Rows and forces == "consistent" else 1e-9) * np.abs(shipped.state["displacement"]).max()
+    np.testing.assert_allclose(own.state["displacement"], shipped.state["displacement"], rtol=0.0, atol=atol)
 
 
 def test_newton_pushes_along_derivatives_of_gaps() -> None:

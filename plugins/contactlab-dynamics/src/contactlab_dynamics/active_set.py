@@ -22,9 +22,8 @@ from contactlab.api.enforcement import FactoredGradients
 from contactlab_dynamics.factored_product import held_columns, product_of_columns, push_columns
 
 SETS = 12  # active sets tried before the sweeps take over; two or three are usual
-# of the tolerance at which iterations end. Gradients: forces need not be better than the work that is left, 1e-10
-# segments of way. Along normals: an iteration more or less may leave gaps, but forces are to be as good
-BEYOND_GRADIENTS, BEYOND_NORMALS = 0.3, 1e-2
+BEYOND_GRADIENTS = 0.3  # of the tolerance: forces need not be better than the work that is left, 1e-10 segments of way
+BEYOND_NORMALS = 1e-2  # of the tolerance: with an iteration more or less in leaving gaps, forces are as good
 
 
 class Search(NamedTuple):
