@@ -13,6 +13,8 @@ from contactlab.api.arrays import Floats
 from contactlab.api.compiled.bound_arrays import Floats1, Floats2, Floats3, Ints1, Ints2, KernelArgument
 from contactlab.api.compiled.late import late
 
+ROUND_OFF = 1e-16
+
 
 class GapRows(KernelArgument, ABC):
     """The gap constraints of all contacts of a model in any form: a matrix G, k normal rows by 2N coordinates.
@@ -148,21 +150,23 @@ class FactoredRows(GapRows):
         """Return rows with T inverted."""
         start = self.start[: self.count + 1]
         along = [_sparse(start, self.node, self.weight[:, None] * axis, nodes) for axis in np.eye(2)]
-        return self.solved(along, self.own[: self.count], nodes)
+        return _with_inverse(self, along, self.own[: self.count], nodes)
 
-    def solved(self, along: list[Any], own: Any, nodes: int) -> Any:
-        """Return normal . (own + [T^-T B]) for the x and y components of B, `along`, and global `own` nodes (k,)."""
-        k, sparse = self.count, late("scipy.sparse")
-        above, below, inverse = self.above[1:k], self.below[1:k], self.inverse[:k]
-        coupling = np.zeros((3, k))  # the diagonals of T^T, from its factors
-        coupling[0, 1:], coupling[1], coupling[2, :-1] = below, 1.0 / inverse, above
-        coupling[1, 1:] += above * below * inverse[:-1]
-        inverted = late("scipy.linalg").solve_banded((1, 1), coupling, np.eye(k)) if k else np.zeros((0, 0))
-        found, row = sparse.csr_array((k, 2 * nodes)), np.flatnonzero(own >= 0)
-        for c, columns in enumerate(along):
-            own_node = sparse.csr_array((np.ones(len(row)), (row, 2 * own[row] + c)), (k, 2 * nodes))
-            found += sparse.diags_array(self.normal[:k, c]) @ (own_node + sparse.csr_array(inverted) @ columns)
-        return found
+
+def _with_inverse(f: FactoredRows, along: list[Any], own: Any, nodes: int) -> Any:
+    """Return normal . (own + [T^-T B]) for the x and y components of B, `along`, and global `own` nodes (k,)."""
+    k, sparse = f.count, late("scipy.sparse")
+    above, below, inverse = f.above[1:k], f.below[1:k], f.inverse[:k]
+    coupling = np.zeros((3, k))  # the diagonals of T^T, from its factors
+    coupling[0, 1:], coupling[1], coupling[2, :-1] = below, 1.0 / inverse, above
+    coupling[1, 1:] += above * below * inverse[:-1]
+    inverted = late("scipy.linalg").solve_banded((1, 1), coupling, np.eye(k)) if k else np.zeros((0, 0))
+    inverted[np.abs(inverted) < ROUND_OFF * np.abs(inverted).max(initial=0.0)] = 0.0  # it decays along a chain
+    found, row = sparse.csr_array((k, 2 * nodes)), np.flatnonzero(own >= 0)
+    for c, columns in enumerate(along):
+        own_node = sparse.csr_array((np.ones(len(row)), (row, 2 * own[row] + c)), (k, 2 * nodes))
+        found += sparse.diags_array(f.normal[:k, c]) @ (own_node + sparse.csr_array(inverted) @ columns)
+    return found
 
 
 @dataclass
@@ -222,7 +226,7 @@ class FactoredGradients(GapRows):
         levers = [sparse.csr_array((lever[:, c], angle, place), (k, angles)) for c in range(2)]
         along = [_sparse(start, node, self.block[:, c], nodes) + levers[c] @ turning for c in range(2)]
         own = np.where(f.own[:k] >= 0, self.nodes[f.own[:k]], -1)
-        return f.solved(along, own, nodes) + sparse.diags_array(self.spin[:k]) @ turning[self.own_angle[:k]]
+        return _with_inverse(f, along, own, nodes) + sparse.diags_array(self.spin[:k]) @ turning[self.own_angle[:k]]
 
 
 class Solve(NamedTuple):
