@@ -16,7 +16,7 @@ from contactlab.api.compiled.late import late
 ROUND_OFF = 1e-16
 
 
-class GapRows(KernelArgument, ABC):
+class GapRows(KernelArgument):
     """The gap constraints of all contacts of a model in any form: a matrix G, k normal rows by 2N coordinates.
 
     Gaps change by G u with a motion u of the nodes, and forces of the constraints push the nodes by G^T y. Rows of
@@ -25,9 +25,9 @@ class GapRows(KernelArgument, ABC):
     arrays of a form.
     """
 
-    @abstractmethod
     def to_csr(self, nodes: int) -> Any:
         """Return G as a sparse matrix, for a model of so many nodes."""
+        raise NotImplementedError
 
     def apply(self, motion: Floats) -> Floats:
         """Return G u, the changes (k,) [mm] of the gaps by a motion (N, 2) [mm]; slips follow with friction."""

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 MARGIN = 0.1  # segment lengths: constraints with a larger gap cannot close within a step
 GROW = 1.5
 ROUNDS = 20  # most solves of a step in which bounds follow slips
-# all of them are `solve`, unless a part has a method of an older name
-SOLVE = {Rows: "solve", FactoredRows: "solve_factored", FactoredGradients: "solve_gradients"}
+OLDER = {FactoredRows: "solve_factored", FactoredGradients: "solve_gradients"}
+"""Older names of `solve` by the form of rows, for parts that have methods of these names."""
 
 
 class ContactSystem:
@@ -44,7 +44,7 @@ class ContactSystem:
 
     def __init__(self, pairs: tuple[ContactPair, ...], enforcement: ExplicitEnforcement, state: State) -> None:
         self.pairs, self.passes = shown(pairs), pairs
-        self.enforcement, self.state = enforcement, state
+        self.enforcement, self.state, self.solvers = enforcement, state, solvers(enforcement)
         self.multipliers, self.before = state["multipliers"], state["multipliers_before"]
         self.friction = any(pair.friction is not None for pair in pairs)
         self.memories = [pair.memory_in(state) for pair in pairs]
@@ -132,10 +132,9 @@ class ContactSystem:
     def _enforce(self, rows: GapRows, compliance: Floats, force: Floats) -> Any:
         """Solve for the forces of rows of any form. Return a `Solve`; None if reduced rows have no solution."""
         began = perf_counter()
-        name = SOLVE[type(rows)]
-        done = getattr(self.enforcement, name)(rows, compliance, self.multipliers, force)
+        done = self.solvers[type(rows)](rows, compliance, self.multipliers, force)
         self.solution_s += perf_counter() - began
-        if type(done) is not Solve and (done is not None or name == "solve"):
+        if type(done) is not Solve and (done is not None or rows is self.rows):
             raise WrongAnswer(f"{type(self.enforcement).__name__}: solve gave {type(done).__name__}, needed: Solve")
         return done
 
@@ -210,6 +209,14 @@ class ContactSystem:
     def _append(self, number: int, entries: int, margin: float, current: Floats, predicted: Floats) -> int:
         """Append the rows of a pair. Return the next free entry, or -1 if there is no room."""
         return self.passes[number].append_rows(self.rows, entries, margin, self.multipliers, current)
+
+
+def solvers(enforcement: ExplicitEnforcement) -> dict[type[GapRows], Callable[..., Solve | None]]:
+    """Return the method of an enforcement for each form of rows: `solve`, unless it has methods of older names."""
+    cls = type(enforcement)
+    older = any(getattr(cls, name) is not getattr(ExplicitEnforcement, name) for name in OLDER.values())
+    named = {form: getattr(enforcement, name) if older else enforcement.solve for form, name in OLDER.items()}
+    return {Rows: enforcement.solve, **named}
 
 
 class Reduced(ABC):

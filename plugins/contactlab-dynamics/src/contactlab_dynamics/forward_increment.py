@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
-from contactlab.api import ExplicitEnforcement, FactoredGradients, FactoredRows, Floats, GapRows, Rows, Solve
+from contactlab.api import ExplicitEnforcement, FactoredGradients, FactoredRows, Floats, Rows, Solve
 from contactlab.api.compiled.late import late
 
 DENSE_UP_TO = 128  # conditions; above, forming their compliance costs more than the sweeps that it saves
@@ -34,16 +34,17 @@ class ForwardIncrement(ExplicitEnforcement):
         if self.sweeps < 1:
             raise ValueError(f"sweeps: got {self.sweeps}, allowed: at least 1")
 
-    def solve(self, rows: GapRows, compliance: Floats, multipliers: Floats, force: Floats) -> Solve | None:
+    def solve(
+        self, rows: Rows | FactoredRows | FactoredGradients, compliance: Floats, multipliers: Floats, force: Floats
+    ) -> Solve | None:
         """Solve active sets by conjugate gradients, None if they cycle; sweep over `Rows`."""
-        given = compliance, multipliers, force, self.tolerance, self.sweeps
-        if isinstance(rows, FactoredRows | FactoredGradients):
+        given = rows.count, rows, compliance, multipliers, force, self.tolerance, self.sweeps
+        if not isinstance(rows, Rows):
             kernels = late("contactlab_dynamics.active_set")
             find = kernels.solve_active if isinstance(rows, FactoredRows) else kernels.solve_gradients
-            passes, residual, largest = find(rows.count, rows, *given)
+            passes, residual, largest = find(*given)
             return Solve(passes, residual, 0, largest) if residual <= self.tolerance else None
-        assert isinstance(rows, Rows)
         kernels = late("contactlab_dynamics.gauss_seidel")
         conditions = rows.count * (2 if len(rows.tangent_weight) else 1)
         solve = kernels.solve_dense if conditions <= DENSE_UP_TO else kernels.solve_sparse
-        return Solve(*solve(rows.count, rows, *given))
+        return Solve(*solve(*given))
