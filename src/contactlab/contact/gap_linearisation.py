@@ -11,7 +11,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
 
 from contactlab.api import ConditionDerivatives, ContactDerivatives, Floats, GapConditions, Ints
 from contactlab.contact.condition_differences import ConditionDifferences
@@ -20,6 +19,7 @@ from contactlab.contact.gap_pair import GapPair
 from contactlab.contact.linearisation import Linearisation, parts_of
 from contactlab.contact.pair import turned
 from contactlab.errors import WrongAnswer
+from contactlab.implicit.sparse import compressed, product, summed, total
 
 
 class GapLinearisation(Linearisation):
@@ -74,10 +74,11 @@ class GapLinearisation(Linearisation):
         apart = (self.position[found.node] - self.position[found.node[first]])[entry]
         of, pick = row[entry], self._picked(chosen)
         normal = self._weights(found.normal_weight)
-        gap = normal + self._matrix(of, changes.moved, _dot(value, apart), len(found.owner))
+        gap = total(normal, self._matrix(of, changes.moved, _dot(value, apart), len(found.owner)))
         change = y_n[found.owner[of], None] * value
         if y_t is None:
-            return ContactDerivatives(pick @ normal, None, pick @ gap, None, self._forces(changes, change))
+            force = self._forces(changes, change)
+            return ContactDerivatives(product(pick, normal), None, product(pick, gap), None, force)
         change = change + y_t[found.owner[of], None] * turned(value)
         now, before = self._directions()
         began = (self.start[found.node] - self.start[found.node[first]])[entry]
@@ -86,12 +87,13 @@ class GapLinearisation(Linearisation):
         # contribution of a turning tangent, if it differs from the change of the weights
         across = _dot(turned(value), apart) - share * _dot(now[entry], apart)
         tangent = self._weights(found.tangent_weight)
-        slip = tangent + self._matrix(of, changes.moved, slid + across, len(found.owner))
-        return ContactDerivatives(pick @ normal, pick @ tangent, pick @ gap, pick @ slip, self._forces(changes, change))
+        slip = total(tangent, self._matrix(of, changes.moved, slid + across, len(found.owner)))
+        rows = (product(pick, one) for one in (normal, tangent, gap, slip))
+        return ContactDerivatives(*rows, self._forces(changes, change))
 
     def tangents(self, chosen: Ints) -> Any:
         """Return weights of friction."""
-        return self._picked(chosen) @ self._weights(self._found.tangent_weight)
+        return product(self._picked(chosen), self._weights(self._found.tangent_weight))
 
     # --- data of the last evaluation ------------------------------------
 
@@ -129,20 +131,20 @@ class GapLinearisation(Linearisation):
         place[self._found.owner] = np.arange(len(self._found.owner))
         row = np.flatnonzero(place[chosen] >= 0)
         shape = len(chosen), len(self._found.owner)
-        return coo_array((np.ones(len(row)), (row, place[chosen][row])), shape=shape).tocsr()
+        return summed(row, place[chosen][row], np.ones(len(row)), shape)
 
     def _weights(self, weight: Floats) -> Any:
         found = self._found
         columns = np.add.outer(2 * found.node, np.arange(2)).ravel()
         shape = len(found.owner), self.size
-        return csr_array((weight.ravel(), columns, 2 * found.start), shape=shape)
+        return compressed(weight.ravel(), columns, 2 * found.start, shape)
 
     def _forces(self, changes: ConditionDerivatives, change: Floats) -> Any:
         row = np.add.outer(2 * self._found.node[changes.entry], np.arange(2)).ravel()
         return self._matrix(row, np.repeat(changes.moved, 2), change.ravel(), self.size)
 
     def _matrix(self, row: Ints, column: Ints, value: Floats, rows: int) -> Any:
-        return coo_array((value, (row, column)), shape=(rows, self.size)).tocsr()
+        return summed(row, column, value, (rows, self.size))
 
 
 def _dot(one: Floats, other: Floats) -> Floats:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
+from functools import reduce
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
-from scipy.sparse import csr_array, vstack
+from scipy.sparse import csr_array
 
 from contactlab.api import Conditions, ContactDerivatives, Floats, FrictionBound, ImplicitEnforcement, Ints, Rows, State
 from contactlab.api.compiled.friction import STICKS
@@ -18,6 +19,7 @@ from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair, shown
 from contactlab.contact.passage import first_passage
 from contactlab.contact.sliding import held_together, taking_tractions, varying
+from contactlab.implicit.sparse import stacked, total
 from contactlab.kernels.contact.coupling import Coupling
 
 if TYPE_CHECKING:
@@ -289,25 +291,25 @@ class ImplicitContactSystem:
     def linearise(self, chosen: Ints) -> ContactDerivatives:
         """Return derivatives of the chosen slots; see `contactlab.api.ImplicitContact`."""
         began, force, size = perf_counter(), self.conditions.force, 2 * len(self.start)
-        none = csr_array((0, size))
-        parts = [ContactDerivatives(none, None, none, None, csr_array((size, size)))] if not self.linear else []
+        parts = []
         for linear in self.linear:
             own = linear.pair.own
-            if linear.pair.idle:
-                continue
-            parts.append(linear.linearise(_within(own, chosen), force[:, own]))
-        total = parts[0].force
-        for part in parts[1:]:
-            total = total + part.force
+            within = _within(own, chosen)
+            if not linear.pair.idle and (len(within) or force[:, own].any()):
+                parts.append(linear.linearise(within, force[:, own]))
+        if not parts:
+            none = csr_array((0, size))
+            parts = [ContactDerivatives(none, None, none, None, csr_array((size, size)))]
+        change = reduce(total, [part.force for part in parts])
         for potential in self.potentials:
-            total = total + potential.force_derivative(size)
-        normal, gap = _stacked([p.normal for p in parts]), _stacked([p.gap for p in parts])
+            change = change + potential.force_derivative(size)
+        normal, gap = stacked([p.normal for p in parts]), stacked([p.gap for p in parts])
         tangent = slip = None
         if self.friction:
-            tangent = _stacked([p.normal * 0.0 if p.tangent is None else p.tangent for p in parts])
-            slip = _stacked([p.gap * 0.0 if p.slip is None else p.slip for p in parts])
+            tangent = stacked([p.normal * 0.0 if p.tangent is None else p.tangent for p in parts])
+            slip = stacked([p.gap * 0.0 if p.slip is None else p.slip for p in parts])
         self.seconds += perf_counter() - began
-        return ContactDerivatives(normal, tangent, gap, slip, total)
+        return ContactDerivatives(normal, tangent, gap, slip, change)
 
     def directions(self, chosen: Ints) -> tuple[Any, Any]:
         """Return directions of impulses; see `contactlab.api.ImplicitContact`."""
@@ -317,16 +319,12 @@ class ImplicitContactSystem:
         stepped = cast("tuple[StepRows, ...]", self.linear)
         normal, tangent = zip(*(rows.directions(_within(rows.pair.own, chosen)) for rows in stepped), strict=True)
         across = [n * 0.0 if t is None else t for n, t in zip(normal, tangent, strict=True)]
-        return _stacked(normal), _stacked(across) if self.friction else None
+        return stacked(normal), stacked(across) if self.friction else None
 
 
 def _within(own: slice, chosen: Ints) -> Ints:
     """Return the chosen slots in a pair's slice `own`, counted from its first."""
     return np.asarray(chosen[(chosen >= own.start) & (chosen < own.stop)] - own.start, np.int32)
-
-
-def _stacked(parts: Sequence[Any]) -> Any:
-    return parts[0] if len(parts) == 1 else vstack(parts, format="csr")
 
 
 def _conditions(pairs: tuple[ContactPair, ...], multipliers: Floats, friction: bool) -> Conditions:

@@ -14,13 +14,13 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
 
 from contactlab.api import ContactDerivatives, Floats, Ints
 from contactlab.api.derivatives import PieceDerivatives
 from contactlab.api.surface import SurfacePositions
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair, turned
+from contactlab.implicit.sparse import compressed, picked, product, summed, total, transposed
 from contactlab.kernels.contact import banded_rows
 from contactlab.kernels.contact import linearisation as kernels
 from contactlab.kernels.contact.pair import BandedRows
@@ -144,13 +144,14 @@ class PairLinearisation(Linearisation):
         wanted = size > CUT * max(float(size.max(initial=0.0)), 1e-300)
         wanted[inverse[1]] = True
         weights = self._matrix(self._weights(np.flatnonzero(wanted).astype(np.int32)))
-        along = self._times(chosen, directions) @ weights
-        change = along + self._changes(chosen, directions, inverse, pieces, wanted)
+        along = product(self._times(chosen, directions), weights)
+        change = total(along, self._changes(chosen, directions, inverse, pieces, wanted))
         force = self._force_derivative(pieces, wanted, traction, weights, y_n, y_t) if len(y) else None
         if y_t is None:
             return ContactDerivatives(along, None, change, None, force)
-        c = len(chosen)
-        return ContactDerivatives(along[:c], along[c:], change[:c], change[c:], force)
+        normal, tangent = np.split(np.arange(2 * len(chosen)), 2)
+        of_kind = (picked(rows, kind) for rows in (along, change) for kind in (normal, tangent))
+        return ContactDerivatives(*of_kind, force)
 
     def _changes(
         self, chosen: Ints, directions: list[Floats], inverse: Entries, pieces: PieceDerivatives, wanted: Floats
@@ -179,11 +180,11 @@ class PairLinearisation(Linearisation):
         left = [(kind * rows + place[at], of * columns + j, x) for (kind, of), (at, j, x) in parts.items()]
         right = [(of * columns + row, j, x) for of, (row, j, x) in enumerate(changes)]
         between = columns * len(changes)
-        return _sparse(left, (rows * len(directions), between)) @ _sparse(right, (between, self.size))
+        return product(_sparse(left, (rows * len(directions), between)), _sparse(right, (between, self.size)))
 
     def tangents(self, chosen: Ints) -> Any:
         """Return weights times tangents."""
-        return self._times(chosen, [turned(self.pair.normals)]) @ self._matrix(self._weights(chosen))
+        return product(self._times(chosen, [turned(self.pair.normals)]), self._matrix(self._weights(chosen)))
 
     def flexibilities(self, nodal: Floats) -> Floats:
         """Sum squared weights."""
@@ -225,7 +226,7 @@ class PairLinearisation(Linearisation):
         values = np.concatenate([some[chosen] for some in vectors]).ravel()
         shape = (len(vectors) * len(chosen), 2 * self.pair.slots)
         start = np.arange(0, len(values) + 1, 2, dtype=np.int32)
-        return csr_array((values, np.tile(_both(chosen), len(vectors)), start), shape)
+        return compressed(values, np.tile(_both(chosen), len(vectors)), start, shape)
 
     # --- from derivatives of pieces to sparse matrices --------------------------------------------
 
@@ -265,7 +266,7 @@ class PairLinearisation(Linearisation):
         if y_t is not None:
             dq += y_t[of, None] * turned(turn)
         change = self._matrix(self._normal_changes(pieces, dq), (row, column, -value))
-        return _sparse([_first(direct, count)], (self.size, self.size)) + weights.T @ change
+        return total(summed(*_first(direct, count), (self.size, self.size)), product(transposed(weights), change))
 
     @property
     def _nodes(self) -> tuple[Ints, Ints]:
@@ -322,7 +323,7 @@ def _spread(rows: Entries, vectors: Floats) -> Entries:
 
 def _sparse(parts: Sequence[Entries], shape: tuple[int, int]) -> Any:
     row, column, value = (np.concatenate(part) for part in zip(*parts, strict=True))
-    return coo_array((value, (row, column)), shape=shape).tocsr()
+    return summed(row, column, value, shape)
 
 
 def triplets(size: int) -> Entries:

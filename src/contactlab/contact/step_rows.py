@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
 
 from contactlab.api import ContactDerivatives, Floats, Ints
 from contactlab.api.arrays import Flags
 from contactlab.contact.linearisation import Linearisation
 from contactlab.contact.start_gaps import FacetOverlap
+from contactlab.implicit.sparse import compressed, picked, product, rows_of, summed, total, transposed
 from contactlab.kernels.contact.pair import FAR
 
 AHEAD = 0.5  # share of the final motion that mean positions follow
@@ -38,7 +38,7 @@ class StepRows(Linearisation):
         self.moved = np.zeros_like(self.start)
         sides = linear.pair.slave, linear.pair.master
         self.beside = neighbours([side.nodes[side.segments] for side in sides], nodes)
-        self.normal = MomentFreeRows(csr_array((0, linear.size)), self.beside)
+        self.normal = MomentFreeRows(compressed(np.zeros(0), self.slots, np.zeros(1), (0, linear.size)), self.beside)
         self.tangent: MomentFreeRows | None = None
 
     def begin(self, time: float, position: Floats, middle: Floats) -> None:
@@ -98,7 +98,7 @@ class StepRows(Linearisation):
         normal, gap = self.normal.rows(place), self.normal.derivatives(self.moved, place)
         if self.tangent is None:
             return ContactDerivatives(normal, None, gap, None, force)
-        force = force + self.tangent.of_forces(y[1, self.slots])
+        force = total(force, self.tangent.of_forces(y[1, self.slots]))
         slip = self.tangent.derivatives(self.moved, place)
         return ContactDerivatives(normal, self.tangent.rows(place), gap, slip, force)
 
@@ -137,17 +137,19 @@ class MomentFreeRows:
 
     def __init__(self, given: Any, beside: Any) -> None:
         self.shape = given.shape
-        nodes, entries = given.shape[1] // 2, given.tocoo()
-        taking_part = coo_array((np.ones(entries.nnz), (entries.row, entries.col // 2)), (self.shape[0], nodes))
-        of = (taking_part.tocsr() @ beside).tocoo()
-        known = np.sort(of.row.astype(np.int64) * nodes + of.col)
+        nodes, row, (node, component) = (
+            given.shape[1] // 2,
+            rows_of(given).astype(np.int64),
+            np.divmod(given.indices, 2),
+        )
+        of = product(summed(row, node, np.ones(len(row)), (self.shape[0], nodes)), beside)
+        known = np.sort(rows_of(of).astype(np.int64) * nodes + of.indices)
         self.row, self.node = np.divmod(known, nodes)
-        self.given = np.zeros((len(known), 2))
-        place = np.searchsorted(known, entries.row.astype(np.int64) * nodes + entries.col // 2)
-        np.add.at(self.given, (place, entries.col % 2), entries.data)
-        self.count = np.maximum(np.bincount(self.row, minlength=self.shape[0]), 1)
-        # in the index type of sparse matrices, which check others
-        self.start = np.append(0, 2 * np.cumsum(np.bincount(self.row, minlength=self.shape[0]))).astype(np.int32)
+        place = 2 * np.searchsorted(known, row * nodes + node) + component
+        self.given = np.asarray(np.bincount(place, given.data, 2 * len(known)), np.float64).reshape(-1, 2)
+        count = np.diff(of.indptr)
+        self.count = np.maximum(count, 1)
+        self.start = np.append(0, 2 * np.cumsum(count))
         self.column = (2 * self.node[:, None] + np.arange(2)).ravel().astype(np.int32)
         # remainders of the sums of rows that push both sides are removed
         size = self._sum(np.abs(self.given).sum(axis=1))
@@ -193,7 +195,7 @@ class MomentFreeRows:
         Without the derivative of the arms r, which belongs to the small L.
         """
         arms = self._matrix(-multipliers[self.row, None] * _turned(self.arm))
-        return arms.T @ self._matrix(self._of_share())
+        return product(transposed(arms), self._matrix(self._of_share()))
 
     def _of_share(self) -> Floats:
         """Return derivatives (z, 2) of L: dL = (dm - L dS) / S."""
@@ -210,11 +212,10 @@ class MomentFreeRows:
         return np.asarray(np.bincount(self.row, values, self.shape[0]), np.float64)
 
     def _picked(self, values: Floats, at: Ints) -> Any:
-        matrix = self._matrix(values)
-        return matrix if len(at) == self.shape[0] else matrix[at]
+        return picked(self._matrix(values), at)
 
     def _matrix(self, values: Floats) -> Any:
-        return csr_array((values.ravel(), self.column, self.start), self.shape)
+        return compressed(values.ravel(), self.column, self.start, self.shape)
 
 
 def _turned(vectors: Floats) -> Floats:
@@ -231,4 +232,4 @@ def neighbours(segments: Sequence[Ints], nodes: int) -> Any:
             np.stack([np.repeat(surface, along, axis=1).ravel(), np.tile(surface, (1, along)).ravel()], axis=1)
         )
     pairs = np.concatenate(parts)
-    return coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), (nodes, nodes)).tocsr()
+    return summed(pairs[:, 0], pairs[:, 1], np.ones(len(pairs)), (nodes, nodes))

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scipy.sparse import coo_array
 
 from contactlab.api import ContactDerivatives, Floats, Ints
 from contactlab.contact.corners import Corners, Moved
 from contactlab.contact.linearisation import ConsistentLinearisation, Linearisation, PairLinearisation
+from contactlab.implicit.sparse import product, summed, total
 
 
 class TakenLinearisation(Linearisation):
@@ -49,20 +49,24 @@ class TakenLinearisation(Linearisation):
         loaded = [moved for moved in self.corners.moved if y[:, moved.slot].any()]
         more, pick = self._with_partners(chosen, [k for moved in loaded for k in (moved.slot, moved.partner)])
         found = self.linear.linearise(more, self.corners.at_nodes(y))
-        normal, gap, force = pick @ found.normal, pick @ found.gap + self._by_shares(chosen, self.gap), found.force
+        normal, force = product(pick, found.normal), found.force
+        gap = total(product(pick, found.gap), self._by_shares(chosen, self.gap))
         if isinstance(self.linear, ConsistentLinearisation):
             normal = gap
         tangent = slip = None
         if found.tangent is not None:
-            tangent, slip = pick @ found.tangent, pick @ found.slip + self._by_shares(chosen, self.slip)
+            tangent = product(pick, found.tangent)
+            slip = total(product(pick, found.slip), self._by_shares(chosen, self.slip))
         if loaded:
-            force = force + self._force_by_shares(y, loaded, more, found)
+            force = total(force, self._force_by_shares(y, loaded, more, found))
         return ContactDerivatives(normal, tangent, gap, slip, force)
 
     def tangents(self, chosen: Ints) -> Any:
         """Return shares of both tangents."""
+        if not self.corners.moved:
+            return self.linear.tangents(chosen)
         more, pick = self._with_partners(chosen, [])
-        return pick @ self.linear.tangents(more)
+        return product(pick, self.linear.tangents(more))
 
     def _with_partners(self, chosen: Ints, others: list[int]) -> tuple[Ints, Any]:
         """Return multipliers that the chosen multipliers need, with `others`, and the matrix (c, needed) of shares."""
@@ -77,7 +81,7 @@ class TakenLinearisation(Linearisation):
                 row.append(c)
                 column.append(np.searchsorted(needed, taken[k].partner))
                 value.append(1.0 - taken[k].share)
-        return needed, coo_array((value, (row, column)), shape=(len(chosen), len(needed))).tocsr()
+        return needed, summed(np.array(row), np.array(column), np.array(value), (len(chosen), len(needed)))
 
     def _by_shares(self, chosen: Ints, values: Floats) -> Any:
         """Return derivatives (c, 2N) of values (k,) by the shares of the chosen multipliers."""
@@ -106,8 +110,8 @@ class TakenLinearisation(Linearisation):
 
     def _matrix(self, row: list[Ints], column: list[Ints], value: list[Floats], rows: int) -> Any:
         none = np.zeros(0, np.int32)
-        parts = (np.concatenate([none, *row]), np.concatenate([none, *column]))
-        return coo_array((np.concatenate([np.zeros(0), *value]), parts), shape=(rows, self.size)).tocsr()
+        parts = np.concatenate([none, *row]), np.concatenate([none, *column]), np.concatenate([np.zeros(0), *value])
+        return summed(*parts, (rows, self.size))
 
 
 def _both(nodes: Ints) -> Ints:

@@ -16,6 +16,7 @@ from scipy.sparse.linalg import splu
 
 from contactlab.api import Floats
 from contactlab.implicit.dissection import FROM, dissected
+from contactlab.implicit.sparse import compressed
 
 PIVOT = 1e-3  # a diagonal entry above this part of its column is the pivot, which keeps the ordering's fill
 BACKWARD = 1e-15  # componentwise backward error beyond which a solution is refined: pivots that small may grow entries
@@ -73,7 +74,7 @@ class Factor:
 
 def magnitudes(matrix: Any) -> Any:
     """Return the matrix (CSC) of absolute values."""
-    return csc_array((np.abs(matrix.data), matrix.indices, matrix.indptr), shape=matrix.shape)
+    return compressed(np.abs(matrix.data), matrix.indices, matrix.indptr, matrix.shape, csc_array)
 
 
 def with_diagonal(matrix: Any, factor: float, diagonal: Floats) -> Any:
@@ -82,7 +83,7 @@ def with_diagonal(matrix: Any, factor: float, diagonal: Floats) -> Any:
     place = np.flatnonzero(matrix.indices == column)
     data = factor * matrix.data
     data[place] += diagonal[column[place]]
-    return csc_array((data, matrix.indices, matrix.indptr), matrix.shape)
+    return compressed(data, matrix.indices, matrix.indptr, matrix.shape, csc_array)
 
 
 def _permuted(matrix: Any, order: NDArray[np.int64]) -> Any:

@@ -16,10 +16,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import csr_array, diags_array, vstack
 
 from contactlab.api import Floats, ImplicitContact, Response
 from contactlab.api.frame import STICK
+from contactlab.implicit.sparse import combined, diagonal, picked, product, scaled, stacked, total, transposed
 
 
 class Impulses(NamedTuple):
@@ -54,11 +54,11 @@ def solve_impulses(contact: ImplicitContact, response: Response, mobility: Float
         stick = np.flatnonzero(response.status[closed] == STICK)
         ratio = np.where(response.status[closed] == STICK, 0.0, np.sign(force[1, closed]))
         ratio *= contact.conditions.bound[0, closed]
-    held = vstack([normal, tangent[stick]], format="csr") if len(stick) else normal
-    rubbing = diags_array(ratio) @ tangent if ratio.any() else csr_array(normal.shape)
-    acting = vstack([normal + rubbing, tangent[stick]], format="csr") if len(stick) else normal + rubbing
+    sticking = [picked(tangent, stick)] if len(stick) else []
+    rubbing = scaled(tangent, ratio) if ratio.any() else scaled(normal, np.zeros(normal.shape[0]))
+    held, acting = stacked([normal, *sticking]), stacked([total(normal, rubbing), *sticking])
     speed, sliding = held @ velocity.reshape(-1), rubbing @ velocity.reshape(-1)
-    flexible = held @ diags_array(mobility.reshape(-1)) @ acting.T
+    flexible = product(product(held, diagonal(mobility.reshape(-1))), transposed(acting))
     # redundant constraints share their impulse
     impulse = -np.linalg.lstsq(flexible.toarray(), speed, rcond=1e-12)[0]
     each, count = np.zeros_like(force), normal.shape[0]
@@ -66,7 +66,7 @@ def solve_impulses(contact: ImplicitContact, response: Response, mobility: Float
     if len(force) > 1:
         each[1, closed] = ratio * impulse[:count]
         each[1, np.flatnonzero(closed)[stick]] = impulse[count:]
-    nodal = np.asarray(acting.T @ impulse).reshape(velocity.shape)
+    nodal = combined(acting, impulse).reshape(velocity.shape)
     velocity += mobility * nodal
     lost = 0.5 * float(impulse @ (speed + held @ velocity.reshape(-1)))
     rubbed = 0.5 * float(impulse[:count] @ (sliding + rubbing @ velocity.reshape(-1)))

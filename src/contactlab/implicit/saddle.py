@@ -13,14 +13,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.sparse import coo_array, csr_array
 
 from contactlab.api import ContactDerivatives, Floats, ImplicitContact, Ints, Response
 from contactlab.implicit.factor import ReusedFactor
 from contactlab.implicit.free_motions import FreeMotions
+from contactlab.implicit.sparse import Indices, combined, picked, rows_of, scaled, summed_columns, total
 
-Indices = NDArray[np.integer[Any]]
 Entries = tuple[Indices, Indices, Floats]
 """Rows, columns and values (e,) of a matrix."""
 
@@ -155,9 +153,7 @@ class SaddleSystem:
         """Assemble the matrix (CSC). Its parts are freed before the factorisation, which takes most of the memory."""
         parts = zip(self._own(stiffness), *border, strict=True)
         row, column, value = (np.concatenate(part) for part in parts)
-        # in SuperLU's index type: others would be copied
-        places = row.astype(np.int32, copy=False), column.astype(np.int32, copy=False)
-        return coo_array((value, places), shape=(size, size)).tocsc()
+        return summed_columns(row, column, value, (size, size))
 
     def _own(self, stiffness: Any) -> Entries:
         """Return entries of the stiffness between free degrees of freedom."""
@@ -170,7 +166,7 @@ class SaddleSystem:
         column = np.repeat(np.arange(len(self.free), dtype=np.int32), count)
         return self.number[stiffness.indices[inside]], column, stiffness.data[inside]
 
-    def _inside(self, matrix: csr_array) -> Entries:
+    def _inside(self, matrix: Any) -> Entries:
         """Return entries of a (., 2N) matrix in free columns, rows unchanged."""
         row, column, value = _entries(matrix)
         column = self.number[column]
@@ -184,7 +180,7 @@ class SaddleSystem:
         """
         for kind, (slots, rows) in enumerate(((plan.normal, derivatives.gap), (plan.tangential, derivatives.slip))):
             if len(slots):
-                row = np.repeat(np.arange(rows.shape[0]), np.diff(rows.indptr))
+                row = rows_of(rows)
                 weights = np.abs(rows.data)
                 total = np.bincount(row, weights, rows.shape[0])
                 moving = np.bincount(row, weights * (self.number[rows.indices] >= 0), rows.shape[0])
@@ -201,20 +197,20 @@ class SaddleSystem:
         keep = (row >= 0) & (column >= 0)
         parts: list[Entries] = [(row[keep], column[keep], -value[keep])]
         at = np.searchsorted(plan.chosen, plan.normal)
-        directions = _picked(derivatives.normal, at)
+        directions = picked(derivatives.normal, at)
         if derivatives.tangent is not None and plan.sliding_shear.any():
-            directions = directions + _scaled(plan.sliding_shear[plan.normal], _picked(derivatives.tangent, at))
+            directions = total(directions, scaled(picked(derivatives.tangent, at), plan.sliding_shear[plan.normal]))
         parts += self._both(directions, conditions[0], first, plan.by_force[0, plan.normal])
         if len(plan.tangential):
             at = np.searchsorted(plan.chosen, plan.tangential)
-            tangent = _picked(derivatives.tangent, at)
+            tangent = picked(derivatives.tangent, at)
             parts += self._both(tangent, conditions[1], second, plan.by_force[1, plan.tangential])
             crossed = np.flatnonzero(plan.cross[plan.tangential])
             place = first + np.searchsorted(plan.normal, plan.tangential[crossed])
             parts.append((second + crossed, place, -plan.cross[plan.tangential[crossed]]))
         return parts
 
-    def _both(self, directions: csr_array, derivatives: csr_array, first: int, diagonal: Floats) -> list[Entries]:
+    def _both(self, directions: Any, derivatives: Any, first: int, diagonal: Floats) -> list[Entries]:
         """Return columns of one kind of multipliers, their rows, and their diagonal."""
         row, column, value = self._inside(directions)
         parts = [(column, first + row, -value)]
@@ -228,35 +224,23 @@ class SaddleSystem:
 def _entries(matrix: Any) -> Entries:
     """Return rows, columns and values of a sparse matrix."""
     rows = matrix.tocsr()
-    return np.repeat(np.arange(rows.shape[0], dtype=np.int32), np.diff(rows.indptr)), rows.indices, rows.data
-
-
-def _picked(matrix: csr_array, at: Indices) -> csr_array:
-    """Return the rows `at`, in ascending order, of a matrix; the matrix itself if they are all its rows."""
-    return matrix if len(at) == matrix.shape[0] else matrix[at]
-
-
-def _scaled(factors: Floats, matrix: csr_array) -> csr_array:
-    """Scale the rows of a matrix by factors."""
-    return csr_array(
-        (matrix.data * np.repeat(factors, np.diff(matrix.indptr)), matrix.indices, matrix.indptr), matrix.shape
-    )
+    return rows_of(rows), rows.indices, rows.data
 
 
 def _explicit_forces(plan: Elimination, derivatives: ContactDerivatives) -> Floats:
     """Return nodal forces (2N,) of the corrections that are known before the solution."""
     chosen = plan.chosen
-    forces = derivatives.normal.T @ plan.change[0, chosen]
+    forces = combined(derivatives.normal, plan.change[0, chosen])
     if derivatives.tangent is not None:
-        forces = forces + derivatives.tangent.T @ plan.change[1, chosen]
-    return np.asarray(forces)
+        forces = forces + combined(derivatives.tangent, plan.change[1, chosen])
+    return forces
 
 
 def _conditions(plan: Elimination, derivatives: ContactDerivatives) -> list[Any]:
     """Return derivatives (., 2N) of gaps, and of slips if there are any, of the constraints with unknown forces."""
-    found = [_picked(derivatives.gap, np.searchsorted(plan.chosen, plan.normal))]
+    found = [picked(derivatives.gap, np.searchsorted(plan.chosen, plan.normal))]
     if len(plan.tangential):
-        found.append(_picked(derivatives.slip, np.searchsorted(plan.chosen, plan.tangential)))
+        found.append(picked(derivatives.slip, np.searchsorted(plan.chosen, plan.tangential)))
     return found
 
 
