@@ -316,8 +316,8 @@ class ImplicitContactSystem:
         if not self.whole_steps:
             found = self.linearise(chosen)
             return found.normal, found.tangent
-        stepped = cast("tuple[StepRows, ...]", self.linear)
-        normal, tangent = zip(*(rows.directions(_within(rows.pair.own, chosen)) for rows in stepped), strict=True)
+        stepped = ((rows, _within(rows.pair.own, chosen)) for rows in cast("tuple[StepRows, ...]", self.linear))
+        normal, tangent = zip(*(rows.directions(within) for rows, within in stepped if len(within)), strict=True)
         across = [n * 0.0 if t is None else t for n, t in zip(normal, tangent, strict=True)]
         return stacked(normal), stacked(across) if self.friction else None
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -38,8 +38,9 @@ class StepRows(Linearisation):
         self.moved = np.zeros_like(self.start)
         sides = linear.pair.slave, linear.pair.master
         self.beside = neighbours([side.nodes[side.segments] for side in sides], nodes)
-        self.normal = MomentFreeRows(compressed(np.zeros(0), self.slots, np.zeros(1), (0, linear.size)), self.beside)
-        self.tangent: MomentFreeRows | None = None
+        none = compressed(np.zeros(0), self.slots, np.zeros(1), (0, linear.size))
+        self.none = MomentFreeRows(none, self.beside, self.start)
+        self.normal, self.tangent = self.none, None if linear.pair.friction is None else self.none
 
     def begin(self, time: float, position: Floats, middle: Floats) -> None:
         """Take the mid-step rows."""
@@ -50,22 +51,27 @@ class StepRows(Linearisation):
         # multipliers without a constraint at the start, or in the middle, can have no force
         self.present[:] = (pair.gaps[:, 0] < FAR) & (gap < FAR)
         self.slots = np.flatnonzero(self.present).astype(np.int32)
-        self.normal = MomentFreeRows(linear.gap_derivatives(self.slots), self.beside)
+        self.normal = self._mid_step(linear.gap_derivatives, position)
         if pair.friction is not None:
-            self.tangent = MomentFreeRows(linear.tangents(self.slots), self.beside)
+            self.tangent = self._mid_step(linear.tangents, position)
         gap, facets = gap[self.slots], pair.start_gaps
         pushed = facets.pushed(time, float(facets.time[0])) if isinstance(facets, FacetOverlap) else None
         # gaps count as at the end of the step: overlaps by facets lose the share that begins to count
         less = 0.0 if pushed is None else pushed[self.slots]
         # pushing out initial overlaps adds energy on purpose
         self.held = gap if pair.pushes_overlaps_out else np.maximum(gap - less, 0.0) + less
-        self.start = position.copy()
+        self.start, self.moved[:] = position.copy(), 0.0
         self.gap[:], self.slip[:] = FAR, 0.0
-        self.evaluate(position, position)
+        self.gap[self.slots] = self.held
+
+    def _mid_step(self, rows: Callable[[Ints], Any], position: Floats) -> MomentFreeRows:
+        return MomentFreeRows(rows(self.slots), self.beside, position) if len(self.slots) else self.none
 
     def evaluate(self, position: Floats, start: Floats) -> None:
         """Compute the constrained values at the end, and slips of the step."""
         np.subtract(position, self.start, out=self.moved)
+        if not len(self.slots):
+            return
         self._about(self.start + 0.5 * self.moved)
         self.gap[self.slots] = self.held + self.normal.times(self.moved)
         if self.tangent is not None:
@@ -86,6 +92,8 @@ class StepRows(Linearisation):
 
     def add_forces(self, multipliers: Floats, normal: Floats, tangential: Floats) -> None:
         """Add rows times multipliers."""
+        if not len(self.slots):
+            return
         y = multipliers[:, self.pair.own][:, self.slots]
         normal += self.normal.forces(y[0])
         if self.tangent is not None:
@@ -133,9 +141,10 @@ class MomentFreeRows:
     given   (c, 2N) rows, CSR
     beside  (N, N) nodes that take part in the change of a row with an entry for one of them: its neighbours on
             its surface, as coincident nodes have no arm to turn about
+    position  (N, 2) where the moment vanishes, until `about` is called
     """
 
-    def __init__(self, given: Any, beside: Any) -> None:
+    def __init__(self, given: Any, beside: Any, position: Floats) -> None:
         self.shape = given.shape
         nodes, row, (node, component) = (
             given.shape[1] // 2,
@@ -150,14 +159,16 @@ class MomentFreeRows:
         count = np.diff(of.indptr)
         self.count = np.maximum(count, 1)
         self.start = np.append(0, 2 * np.cumsum(count))
-        self.column = (2 * self.node[:, None] + np.arange(2)).ravel().astype(np.int32)
+        self.column, self.places = (
+            np.add.outer(2 * of, [0, 1]).ravel().astype(np.int32) for of in (self.node, self.row)
+        )
         # remainders of the sums of rows that push both sides are removed
         size = self._sum(np.abs(self.given).sum(axis=1))
-        left = np.stack([self._sum(self.given[:, i]) for i in range(2)], axis=1)
+        left = self._sums(self.given)
         paired: Flags = np.abs(left).max(axis=1, initial=0.0) <= PAIRED * size
         self.given -= np.where(paired[:, None], left / self.count[:, None], 0.0)[self.row]
         self.paired = paired
-        self.about(np.zeros((nodes, 2)))
+        self.about(position)
 
     def about(self, position: Floats) -> None:
         """Make the moment about `position` (N, 2) vanish."""
@@ -165,7 +176,8 @@ class MomentFreeRows:
         self.spread = np.where(self.paired, self._sum((self.arm**2).sum(axis=1)), 0.0)
         moment = self._sum(self.arm[:, 0] * self.given[:, 1] - self.arm[:, 1] * self.given[:, 0])
         self.share = np.divide(moment, self.spread, out=np.zeros_like(moment), where=self.spread > 0.0)
-        self.values = self.given - self.share[self.row, None] * _turned(self.arm)
+        self.turned = _turned(self.arm)
+        self.values = self.given - self.share[self.row, None] * self.turned
 
     def rows(self, at: Ints) -> Any:
         """Return the rows `at` (2N columns), in ascending order."""
@@ -184,7 +196,7 @@ class MomentFreeRows:
         """Return derivatives of the values `at` of `times`, as `motion` (N, 2) grows and mean positions follow it."""
         of_share = self._of_share()
         moved = motion[self.node]
-        turned = self._sum((_turned(self.arm) * moved).sum(axis=1))
+        turned = self._sum((self.turned * moved).sum(axis=1))
         # sum Z dr_i . w_i = - sum dr_i . Z w_i
         swept = AHEAD * self.share[self.row, None] * _turned(self._from_mean(moved))
         return self._picked(self.values - turned[self.row, None] * of_share + swept, at)
@@ -194,7 +206,7 @@ class MomentFreeRows:
 
         Without the derivative of the arms r, which belongs to the small L.
         """
-        arms = self._matrix(-multipliers[self.row, None] * _turned(self.arm))
+        arms = self._matrix(-multipliers[self.row, None] * self.turned)
         return product(transposed(arms), self._matrix(self._of_share()))
 
     def _of_share(self) -> Floats:
@@ -205,11 +217,13 @@ class MomentFreeRows:
 
     def _from_mean(self, values: Floats) -> Floats:
         """Return values (z, 2) less their mean in each row."""
-        mean = np.stack([self._sum(values[:, i]) / self.count for i in range(2)], axis=1)
-        return values - mean[self.row]
+        return values - (self._sums(values) / self.count[:, None])[self.row]
 
     def _sum(self, values: Floats) -> Floats:
         return np.asarray(np.bincount(self.row, values, self.shape[0]), np.float64)
+
+    def _sums(self, vectors: Floats) -> Floats:
+        return np.asarray(np.bincount(self.places, vectors.ravel(), 2 * self.shape[0]), np.float64).reshape(-1, 2)
 
     def _picked(self, values: Floats, at: Ints) -> Any:
         return picked(self._matrix(values), at)
@@ -220,7 +234,7 @@ class MomentFreeRows:
 
 def _turned(vectors: Floats) -> Floats:
     """Return vectors (z, 2) after a quarter turn from x to y."""
-    return np.stack([-vectors[:, 1], vectors[:, 0]], axis=1)
+    return vectors[:, ::-1] * (-1.0, 1.0)
 
 
 def neighbours(segments: Sequence[Ints], nodes: int) -> Any:

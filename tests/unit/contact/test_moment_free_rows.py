@@ -21,7 +21,7 @@ def rows() -> MomentFreeRows:
     given[0, [0, 1, 3, 4, 5]] = DRAW.uniform(-1.0, 1.0, (5, 2))
     given[0, 0] -= given[0].sum(axis=0)
     given[1, 1], given[1, 4] = (0.3, 1.0), (-0.3, -1.0)
-    return MomentFreeRows(csr_array(given.reshape(2, -1)), neighbours([SLAVE, MASTER], NODES))
+    return MomentFreeRows(csr_array(given.reshape(2, -1)), neighbours([SLAVE, MASTER], NODES), POSITION)
 
 
 def forces(rows: MomentFreeRows) -> np.ndarray:
@@ -92,6 +92,6 @@ def test_rows_of_one_side_alone_stay_as_they_are() -> None:
     """An obstacle without nodes: what pushes one side has a sum and a moment of its own."""
     given = np.zeros((1, NODES, 2))
     given[0, 1] = 0.0, 1.0
-    rows = MomentFreeRows(csr_array(given.reshape(1, -1)), neighbours([SLAVE], NODES))
+    rows = MomentFreeRows(csr_array(given.reshape(1, -1)), neighbours([SLAVE], NODES), POSITION)
     rows.about(POSITION)
     np.testing.assert_array_equal(np.asarray(rows.rows(np.arange(rows.shape[0])).todense()).reshape(1, NODES, 2), given)
