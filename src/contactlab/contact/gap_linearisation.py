@@ -89,7 +89,7 @@ class GapLinearisation(Linearisation):
         tangent = self._weights(found.tangent_weight)
         slip = total(tangent, self._matrix(of, changes.moved, slid + across, len(found.owner)))
         rows = (product(pick, one) for one in (normal, tangent, gap, slip))
-        return ContactDerivatives(*rows, self._forces(changes, change))
+        return ContactDerivatives._make((*rows, self._forces(changes, change)))
 
     def tangents(self, chosen: Ints) -> Any:
         """Return weights of friction."""

@@ -151,7 +151,7 @@ class PairLinearisation(Linearisation):
             return ContactDerivatives(along, None, change, None, force)
         normal, tangent = np.split(np.arange(2 * len(chosen)), 2)
         of_kind = (picked(rows, kind) for rows in (along, change) for kind in (normal, tangent))
-        return ContactDerivatives(*of_kind, force)
+        return ContactDerivatives._make((*of_kind, force))
 
     def _changes(
         self, chosen: Ints, directions: list[Floats], inverse: Entries, pieces: PieceDerivatives, wanted: Floats

@@ -38,7 +38,7 @@ class StepRows(Linearisation):
         self.moved = np.zeros_like(self.start)
         sides = linear.pair.slave, linear.pair.master
         self.beside = neighbours([side.nodes[side.segments] for side in sides], nodes)
-        none = compressed(np.zeros(0), self.slots, np.zeros(1), (0, linear.size))
+        none = compressed(np.zeros(0), self.slots, np.zeros(1, np.int32), (0, linear.size))
         self.none = MomentFreeRows(none, self.beside, self.start)
         self.normal, self.tangent = self.none, None if linear.pair.friction is None else self.none
 
@@ -217,13 +217,15 @@ class MomentFreeRows:
 
     def _from_mean(self, values: Floats) -> Floats:
         """Return values (z, 2) less their mean in each row."""
-        return values - (self._sums(values) / self.count[:, None])[self.row]
+        mean: Floats = (self._sums(values) / self.count[:, None])[self.row]
+        return values - mean
 
     def _sum(self, values: Floats) -> Floats:
         return np.asarray(np.bincount(self.row, values, self.shape[0]), np.float64)
 
     def _sums(self, vectors: Floats) -> Floats:
-        return np.asarray(np.bincount(self.places, vectors.ravel(), 2 * self.shape[0]), np.float64).reshape(-1, 2)
+        sums = np.bincount(self.places, vectors.ravel(), 2 * self.shape[0]).reshape(-1, 2)
+        return np.asarray(sums, np.float64)
 
     def _picked(self, values: Floats, at: Ints) -> Any:
         return picked(self._matrix(values), at)
@@ -234,7 +236,8 @@ class MomentFreeRows:
 
 def _turned(vectors: Floats) -> Floats:
     """Return vectors (z, 2) after a quarter turn from x to y."""
-    return vectors[:, ::-1] * (-1.0, 1.0)
+    turned: Floats = vectors[:, ::-1] * (-1.0, 1.0)
+    return turned
 
 
 def neighbours(segments: Sequence[Ints], nodes: int) -> Any:

@@ -10,6 +10,7 @@ that it gives explicitly (open: none; slip: the bound) are eliminated before.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -45,7 +46,7 @@ class Elimination:
     by_force: Floats
     cross: Floats
 
-    @property
+    @cached_property
     def chosen(self) -> Indices:
         """Slots whose derivatives are needed."""
         moved = np.flatnonzero((self.change != 0.0).any(axis=0))
@@ -256,10 +257,10 @@ def _conditions_right(plan: Elimination, conditions: list[Any], given: Floats | 
 
 def _forces(plan: Elimination, unknown: Floats) -> Floats:
     """Return corrections of all multipliers (r, k), found and given."""
-    change = plan.change.copy()
-    normal, tangential = np.split(unknown, [len(plan.normal)])
-    change[0, plan.normal] = normal
+    change, normal = plan.change.copy(), np.zeros(plan.change.shape[1])
+    normal[plan.normal] = unknown[: len(plan.normal)]
+    change[0, plan.normal] = normal[plan.normal]
     if len(change) > 1:
-        change[1] += plan.sliding_shear * np.where(np.isin(np.arange(change.shape[1]), plan.normal), change[0], 0.0)
-        change[1, plan.tangential] = tangential
+        change[1] += plan.sliding_shear * normal
+        change[1, plan.tangential] = unknown[len(plan.normal) :]
     return change

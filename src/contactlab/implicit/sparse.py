@@ -36,8 +36,9 @@ def diagonal(values: Floats) -> csr_array:
 
 def summed(row: Indices, column: Indices, value: Floats, shape: tuple[int, int]) -> csr_array:
     """Return the matrix of entries; entries at the same place are added."""
-    data, indices, start = np.empty(len(value)), np.empty(len(value), np.int32), np.empty(shape[0] + 1, np.int32)
-    kernels.coo_tocsr(*shape, len(value), _short(row), _short(column), value, start, indices, data)
+    data, indices, start = _room(len(value), shape[0])
+    values = np.asarray(value, np.float64)
+    kernels.coo_tocsr(*shape, len(value), _short(row), _short(column), values, start, indices, data)
     if not kernels.csr_has_sorted_indices(shape[0], start, indices):
         kernels.csr_sort_indices(shape[0], start, indices, data)
     kernels.csr_sum_duplicates(*shape, start, indices, data)
@@ -52,32 +53,24 @@ def summed_columns(row: Indices, column: Indices, value: Floats, shape: tuple[in
 
 def product(left: csr_array, right: csr_array) -> csr_array:
     """Return left @ right."""
-    shape = left.shape[0], right.shape[1]
-    arrays = left.indptr, left.indices, right.indptr, right.indices
-    count = kernels.csr_matmat_maxnnz(*shape, *arrays)
-    data, indices, start = np.empty(count), np.empty(count, np.int32), np.empty(shape[0] + 1, np.int32)
-    kernels.csr_matmat(
-        *shape, left.indptr, left.indices, left.data, right.indptr, right.indices, right.data, start, indices, data
-    )
+    shape, one, other = (left.shape[0], right.shape[1]), _arrays(left), _arrays(right)
+    data, indices, start = _room(kernels.csr_matmat_maxnnz(*shape, *one[:2], *other[:2]), shape[0])
+    kernels.csr_matmat(*shape, *one, *other, start, indices, data)
     return _pruned(data, indices, start, shape)
 
 
 def total(first: csr_array, second: csr_array) -> csr_array:
     """Return first + second without entries that are zero."""
-    count = len(first.data) + len(second.data)
-    data, indices, start = np.empty(count), np.empty(count, np.int32), np.empty_like(first.indptr)
-    kernels.csr_plus_csr(
-        *first.shape, first.indptr, first.indices, first.data, second.indptr, second.indices, second.data,
-        start, indices, data,
-    )  # fmt: skip
+    data, indices, start = _room(len(first.data) + len(second.data), first.shape[0])
+    kernels.csr_plus_csr(*first.shape, *_arrays(first), *_arrays(second), start, indices, data)
     return _pruned(data, indices, start, first.shape)
 
 
 def transposed(matrix: csr_array) -> csr_array:
     """Return the transpose, by rows as well."""
     rows, columns = matrix.shape
-    data, indices, start = np.empty_like(matrix.data), np.empty_like(matrix.indices), np.empty(columns + 1, np.int32)
-    kernels.csr_tocsc(rows, columns, matrix.indptr, matrix.indices, matrix.data, start, indices, data)
+    data, indices, start = _room(len(matrix.data), columns)
+    kernels.csr_tocsc(rows, columns, *_arrays(matrix), start, indices, data)
     return compressed(data, indices, start, (columns, rows))
 
 
@@ -85,10 +78,10 @@ def picked(matrix: csr_array, at: Indices) -> csr_array:
     """Return the rows `at`, in ascending order; the matrix itself if they are all its rows."""
     if len(at) == matrix.shape[0]:
         return matrix
-    at, start = _short(at), np.zeros(len(at) + 1, np.int32)
-    np.cumsum(matrix.indptr[at + 1] - matrix.indptr[at], out=start[1:])
-    data, indices = np.empty(start[-1]), np.empty(start[-1], np.int32)
-    kernels.csr_row_index(len(at), at, matrix.indptr, matrix.indices, matrix.data, indices, data)
+    at, arrays = _short(at), _arrays(matrix)
+    start = np.append(0, np.cumsum(np.diff(arrays[0])[at]))
+    data, indices, _ = _room(start[-1], 0)
+    kernels.csr_row_index(len(at), at, *arrays, indices, data)
     return compressed(data, indices, start, (len(at), matrix.shape[1]))
 
 
@@ -115,6 +108,14 @@ def rows_of(matrix: csr_array) -> Indices:
 def combined(matrix: csr_array, factors: Floats) -> Floats:
     """Return the sum of all rows times `factors`."""
     return np.asarray(np.bincount(matrix.indices, scaled(matrix, factors).data, matrix.shape[1]), np.float64)
+
+
+def _arrays(matrix: csr_array) -> tuple[Indices, Indices, Floats]:
+    return _short(matrix.indptr), _short(matrix.indices), matrix.data
+
+
+def _room(entries: int, rows: int) -> tuple[Floats, Indices, Indices]:
+    return np.empty(entries), np.empty(entries, np.int32), np.empty(rows + 1, np.int32)
 
 
 def _pruned(data: Floats, column: Indices, start: Indices, shape: tuple[int, int]) -> csr_array:
