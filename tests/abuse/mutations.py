@@ -335,7 +335,7 @@ ENFORCEMENT = (
         ("half of what the table says", "pressure[:] = values[part] + slope", "pressure[:] = 0.5 * values[part] + slope"),
         ("the mean of all gaps", "(gap - gaps[part])", "(gap.mean() - gaps[part])")),
     *_of("enforcement", "forward-increment",
-        ("stops after two sweeps", "self.tolerance, self.sweeps))", "self.tolerance, 2))"),
+        ("stops after two sweeps", "force, self.tolerance, self.sweeps", "force, self.tolerance, 2"),
         ("half the compliance", "rows.count, rows, compliance, multipliers", "rows.count, rows, 0.5 * compliance, multipliers"),
         ("forces of the last solve are kept", "solve = solve_dense if", "force[:] = 0.0\n        return Solve(0, 0.0, 0, 0.0) if rows.count else Solve(0, 0.0, 0, 0.0)\n        solve = solve_dense if")),
 )  # fmt: skip
