@@ -337,7 +337,7 @@ ENFORCEMENT = (
     *_of("enforcement", "forward-increment",
         ("stops after two sweeps", "force, self.tolerance, self.sweeps", "force, self.tolerance, 2"),
         ("half the compliance", "rows.count, rows, compliance, multipliers", "rows.count, rows, 0.5 * compliance, multipliers"),
-        ("forces of the last solve are kept", "solve = solve_dense if", "force[:] = 0.0\n        return Solve(0, 0.0, 0, 0.0) if rows.count else Solve(0, 0.0, 0, 0.0)\n        solve = solve_dense if")),
+        ("forces of the last solve are kept", "solve = kernels.solve_dense if", "force[:] = 0.0\n        return Solve(0, 0.0, 0, 0.0) if rows.count else Solve(0, 0.0, 0, 0.0)\n        solve = kernels.solve_dense if")),
 )  # fmt: skip
 
 _IMPLICIT = "contactlab.implicit."

@@ -254,10 +254,10 @@ def turn_normals(view, pieces, count, overlaps, normals):
 
 
 @kernel
-def turned_normals(bound, count, normals):
+def turned_normals(bound, count, overlaps, normals):
     """Call `turn_normals` for the first `count` pieces of a `Both` at the address `bound`."""
     both = unpack(bound, Both)
-    return turn_normals(both.sides, both.out, count, True, normals)
+    return turn_normals(both.sides, both.out, count, overlaps, normals)
 
 
 # --- their derivatives ------------------------------------------------------------------------------------------------
