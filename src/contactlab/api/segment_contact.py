@@ -117,5 +117,5 @@ class SegmentContact(ContactAlgorithm):
 
     def normals(self, view: ContactView, pieces: Pieces, count: int, out: Floats) -> None:
         """Fill averaged normals of the slave; integrate all pieces again if normals turn at ends and vertices."""
-        if not late("contactlab.formulas.segments").averaged_normals(view, pieces, count, True, out):
+        if not late("contactlab.formulas.segments").averaged_normals(view, pieces, count, out):
             super().normals(view, pieces, count, out)

@@ -325,4 +325,4 @@ def piece_derivatives(bound, count):
         return e, turned
     averaged = np.empty_like(t.out.normal)
     inward_normals(t.sides.at.slave, t.sides.slave.segments, averaged)
-    return e, normal_derivatives(t.sides, t.out, count, False, to, piece[:e], averaged)
+    return e, normal_derivatives(t.sides, t.out, count, to, piece[:e], averaged)

@@ -239,7 +239,7 @@ def hold_gauss_points(t, reach, depth, p):
     if ALONE:
         return count, 1
     inward_normals(view.at.slave, view.slave.segments, t.out.normal)
-    return count, turn_normals(view, t.out, count, False, t.out.normal)
+    return count, turn_normals(view, t.out, count, t.out.normal)
 
 
 @kernel

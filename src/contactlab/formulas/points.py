@@ -98,7 +98,7 @@ def normals(part: PointContact, view: ContactView, pieces: Pieces, count: int, o
         out[pieces.multiplier[:count, 0]] = np.stack([-along[:, 1], along[:, 0]], 1) / np.hypot(*along.T)[:, None]
         return True
     if part.points:
-        return averaged_normals(view, pieces, count, False, out)
+        return averaged_normals(view, pieces, count, out)
     out[:] = pieces.normal
     changes.normals(_NORMALS.of(pieces, _POINTS, view, part).address, count, out)
     return True

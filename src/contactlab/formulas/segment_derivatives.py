@@ -307,7 +307,7 @@ def piece_derivatives(bound, count, vertices):
                 e += 1
     averaged = np.empty_like(out.normal)
     inward_normals(view.at.slave, view.slave.segments, averaged)
-    return e, normal_derivatives(view, out, count, True, to, piece[:e], averaged)
+    return e, normal_derivatives(view, out, count, to, piece[:e], averaged)
 
 
 @point

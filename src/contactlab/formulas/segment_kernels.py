@@ -274,7 +274,7 @@ def pieces(bound, reach, depth, vertices):
             count = find_overlaps(both, s, reach, depth, count, not COVERED, vertices, p)
     if COVERED:
         integrate_covered(both, count, vertices, p)
-    return count, turn_normals(view, out, count, True, out.normal)
+    return count, turn_normals(view, out, count, out.normal)
 
 
 # --- integrals --------------------------------------------------------------------------------------------------------

@@ -196,18 +196,10 @@ def length_seen(pieces, p, k):
 
 
 @section
-def sum_facing(view, pieces, count, overlaps, wanted, facing):
-    """Sum master normals over overlaps: (m, 3) of `facing` and `seen` if `wanted` (m,) is not zero.
-
-    overlaps  True for pieces of slave segments, False for pieces of points. The sum is zero for a node that no overlap
-              reaches: it is beyond a corner of the master, and presses on nothing
-    """
+def sum_facing(view, pieces, count, wanted, facing):
+    """Sum master normals over overlaps: (m, 3) of `facing` and `seen` if `wanted` (m,) is not zero."""
     facing[:] = 0.0
-    reached = np.full(facing.shape[0], not overlaps)
     for p in range(count):
-        for end in range(2 if overlaps else 0):
-            if pieces.ends[p, 2 * end] == end:
-                reached[view.slave.segments[pieces.segment[p, 0], end]] = True
         if wanted[pieces.multiplier[p, 0]] == 0.0 and wanted[pieces.multiplier[p, 1]] == 0.0:
             continue
         normal = (node(view.at.master, pieces.master[p, 1]) - node(view.at.master, pieces.master[p, 0])).turned().unit()
@@ -216,9 +208,6 @@ def sum_facing(view, pieces, count, overlaps, wanted, facing):
             facing[pieces.multiplier[p, k], 0] += seen * normal.x
             facing[pieces.multiplier[p, k], 1] += seen * normal.y
             facing[pieces.multiplier[p, k], 2] += seen
-    for k in range(facing.shape[0]):
-        if not reached[k]:
-            facing[k, 0], facing[k, 1], facing[k, 2] = 0.0, 0.0, 0.0
 
 
 @section
@@ -234,7 +223,7 @@ def turned(k, view, normals, facing):
 
 
 @section
-def turn_normals(view, pieces, count, overlaps, normals):
+def turn_normals(view, pieces, count, normals):
     """Turn the averaged inward normals (m, 2) at ends and vertices to the master's. Return how many were turned."""
     turns, vertices, found = np.empty(normals.shape[0]), False, 0
     for k in range(normals.shape[0]):
@@ -243,7 +232,7 @@ def turn_normals(view, pieces, count, overlaps, normals):
     if not vertices:
         return 0
     facing = np.empty((normals.shape[0], 3))
-    sum_facing(view, pieces, count, overlaps, turns, facing)
+    sum_facing(view, pieces, count, turns, facing)
     for k in range(normals.shape[0]):
         share = turned(k, view, normals, facing) if turns[k] > TURN[0] else 0.0
         if share > 0.0:
@@ -254,10 +243,10 @@ def turn_normals(view, pieces, count, overlaps, normals):
 
 
 @kernel
-def turned_normals(bound, count, overlaps, normals):
+def turned_normals(bound, count, normals):
     """Call `turn_normals` for the first `count` pieces of a `Both` at the address `bound`."""
     both = unpack(bound, Both)
-    return turn_normals(both.sides, both.out, count, overlaps, normals)
+    return turn_normals(both.sides, both.out, count, normals)
 
 
 # --- their derivatives ------------------------------------------------------------------------------------------------
@@ -334,7 +323,7 @@ def by_turn(view, k, j, rate, out, e):
 
 
 @section
-def normal_derivatives(view, pieces, count, overlaps, out, piece, averaged):
+def normal_derivatives(view, pieces, count, out, piece, averaged):
     """Compute derivatives of the directions of contact by node coordinates. Return the number of entries.
 
     piece     pieces of all derivatives of pieces in `out`
@@ -342,7 +331,7 @@ def normal_derivatives(view, pieces, count, overlaps, out, piece, averaged):
     """
     m, e = averaged.shape[0], average_derivatives(view, out)
     facing, rates, is_turned = np.empty((m, 3)), np.empty((m, 7, 2)), np.zeros(m, np.bool_)
-    sum_facing(view, pieces, count, overlaps, np.ones(m), facing)
+    sum_facing(view, pieces, count, np.ones(m), facing)
     some = False
     for k in range(m):
         is_turned[k] = turned(k, view, averaged, facing) > 0.0

@@ -191,13 +191,10 @@ def moment_derivatives(
     return int(made_of.made(moment_derivatives)(arrays, count, owner, bends, nodes, out))
 
 
-def averaged_normals(view: ContactView, pieces: Pieces, count: int, overlaps: bool, out: Floats) -> bool:
-    """Fill the averaged normals, if they are the directions at ends and vertices, too; else return False.
-
-    overlaps  True for pieces of slave segments, False for pieces of points
-    """
+def averaged_normals(view: ContactView, pieces: Pieces, count: int, out: Floats) -> bool:
+    """Fill the averaged normals, if they are the directions at ends and vertices, too; else return False."""
     inward_normals(view.at.slave, view.slave.segments, out)
-    return not turned_normals(_NORMALS.of(pieces, _BOTH, view, None).address, count, overlaps, out)
+    return not turned_normals(_NORMALS.of(pieces, _BOTH, view, None).address, count, out)
 
 
 def _lump(T: Floats) -> None:
