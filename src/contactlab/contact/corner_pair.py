@@ -72,11 +72,8 @@ class CornerPair(GapPair):
         for c, touch in enumerate(self.touched):
             node[c] = self.slave.nodes[touch.corner], *self.master.nodes[self.master.segments[touch.segment]]
             weight[c] = np.outer((1.0, touch.xi - 1.0, -touch.xi), touch.outward)
-            gap[c], measure[c], owner[c] = (
-                touch.gap + self.corners.depth[touch.corner],
-                POINT * touch.length,
-                touch.corner,
-            )
+            gap[c] = touch.gap + self.corners.depth[touch.corner]
+            measure[c], owner[c] = POINT * touch.length, touch.corner
         normal, start = weight.reshape(-1, 2), np.arange(0, 3 * k + 1, 3, dtype=np.int32)
         along = turned(normal) if self.friction is not None else np.zeros((0, 2))
         return GapConditions(start, node.ravel(), normal, along, gap, measure, owner)

@@ -208,7 +208,7 @@ class Corners:
             np.minimum.at(least, nodes, gap[:, None])
         span = self._span(touch.segment)[0]
         around = np.unique(nodes[np.isin(nodes, span).any(axis=1)])
-        around = around[least[around] > CLOSED * touch.length]
+        around = around[(least[around] > CLOSED * touch.length) & np.isfinite(least[around])]
         self.opened.append((around, least[around]))
         self.lift(pair.gaps)
         return float(least[span].min())
