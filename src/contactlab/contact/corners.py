@@ -86,7 +86,10 @@ class Corners:
         slave = pair.slave
         # multipliers at the ends of quadratic edges span both halves
         self._on_edges = not pair.algorithm.carriers(slave).all()
-        self._span_of = slave.segment_edge[:, 0] if self._on_edges else np.arange(len(slave.segments))
+        edge, half = slave.segment_edge.T
+        self._span_of = edge if self._on_edges else np.arange(len(slave.segments))
+        self._ends = slave.edges[edge, :2] if self._on_edges else slave.segments  # nodes (s, 2) of the span of each
+        self._begin, self._share = (0.5 * half, 0.5) if self._on_edges else (0.0 * half, 1.0)  # of it in its span
 
     @property
     def touching(self) -> bool:
@@ -151,11 +154,11 @@ class Corners:
         """Return the constraint of the node beyond a corner; None if merged, or if something else is below the node."""
         pair, slave = self.pair, self.pair.slave
         seen, ends, owner = pair.pieces.segment[: pair.count, 0], pair.pieces.ends, pair.coupling.owner
-        nodes, first, length = self._span(touch.segment)
+        nodes, first, length = self._ends[touch.segment], float(self._begin[touch.segment]), self._share
         own = np.flatnonzero(self._span_of[seen] == self._span_of[touch.segment])
         if not len(own) or not 0.0 < touch.xi < 1.0:
             return None
-        before = np.array([self._span(s)[1] for s in seen[own]])
+        before = self._begin[seen[own]]
         covered = (before + length * ends[own, 0]).min() <= 0.0, (before + length * ends[own, 2]).max() >= 1.0
         if covered[0] == covered[1]:
             return None
@@ -168,14 +171,6 @@ class Corners:
         moves = np.append(pair.master.nodes[touch.corner], slave.nodes[slave.segments[touch.segment]])
         share, sign = (place, length) if end else (1.0 - place, -length)
         return Moved(slot, partner, share, moves, sign * touch.rates)
-
-    def _span(self, segment: int) -> tuple[Ints, float, float]:
-        """Return both nodes between which the multipliers of a segment span, its start in the span, and its share."""
-        slave = self.pair.slave
-        if not self._on_edges:
-            return slave.segments[segment], 0.0, 1.0
-        edge, half = slave.segment_edge[segment]
-        return slave.edges[edge, :2], 0.5 * half, 0.5
 
     def _sees(self, segment: int) -> bool:
         """Return whether any segment in the span of a segment sees the master."""
@@ -199,14 +194,14 @@ class Corners:
         edge = b - a
         outward = np.stack([edge[:, 1], -edge[:, 0]], axis=1) / np.hypot(*edge.T)[:, None]
         least, corner = np.full(pair.slots, np.inf), pair.at.master[touch.corner]
-        nodes = np.array([self._span(s)[0] for s in segment])
+        nodes = self._ends[segment]
         for low in (0, 2):
             xi, eta = ends[:, low, None], ends[:, low + 1, None]
             seen = c + eta * (d - c)
             gap = ((seen - a - xi * edge) * outward).sum(axis=1)
             gap[np.hypot(*(seen - corner).T) < CLOSED * touch.length] = np.inf
             np.minimum.at(least, nodes, gap[:, None])
-        span = self._span(touch.segment)[0]
+        span = self._ends[touch.segment]
         around = np.unique(nodes[np.isin(nodes, span).any(axis=1)])
         around = around[(least[around] > CLOSED * touch.length) & np.isfinite(least[around])]
         self.opened.append((around, least[around]))
