@@ -1,18 +1,25 @@
-"""Explicit steps by primitives: the core handles work, reactions, prescribed motion and positions."""
+"""Explicit steps by primitives, and their node updates with the energy balance (docs/theory/explicit-scheme.md).
+
+The core handles work, reactions, prescribed motion and positions. A kick and a drift without contact are `move`, with
+contact `predict` and, when the contact forces are known, `correct`. Kernels see fields as flat arrays of degrees of
+freedom, `mobility` being the inverse mass of each, 0 if motion is prescribed. `before` receives the old velocities of
+prescribed motion, `trial` becomes the mean velocity.
+"""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from contactlab.api import ExplicitEquations, ExplicitIntegrator, Floats, State, Step
-from contactlab.api.compiled.bound_arrays import BoundArrays
-from contactlab.api.compiled.late import late
+from contactlab.api.compiled.bound_arrays import BoundArrays, Floats1, Ints1
+from contactlab.api.compiled.kernel import kernel
+from contactlab.api.compiled.unpack import unpack
 from contactlab.errors import WrongAnswer
 
 ROUND_OFF = 1e-12  # relative: drifts of a step sum to its length up to round-off
-POWERS = 512  # products of forces and velocities that are summed at a time
+CHUNK = 512  # products of forces and velocities that are summed at a time
 
 
 class ExplicitMotion:
@@ -89,7 +96,7 @@ class ExplicitMotion:
             raise WrongAnswer(f"{self.name}: its step asks for contact {ahead:.6g} s ahead, needed: a positive time")
         self.ahead, self.touched = ahead, duration
         self.ramps(self.start + self.moved + ahead)
-        self.predict(self.address, self.loaded, damping, ahead, duration)
+        predict(self.address, self.loaded, damping, ahead, duration)
         factor = ahead * duration / (1.0 + 0.5 * damping * duration)
         if factor != self.compliance_factor:
             self.compliance_factor = factor
@@ -105,7 +112,7 @@ class ExplicitMotion:
             self.ramps(self.start + self.moved + duration)
             self._move(duration)
         elif duration == self.ahead:
-            self.correct(self.address, self.loaded, self.damping, duration, self.duration)
+            correct(self.address, self.loaded, self.damping, duration, self.duration)
             self.duration = self.ahead = 0.0
             self._book_friction()
         else:
@@ -126,7 +133,7 @@ class ExplicitMotion:
         """Make the pending kick without contact, move positions for the time `drift`, and book both."""
         if self.ahead > 0.0:
             raise WrongAnswer(f"{self.name}: its step asks for contact and does not drift, needed: a drift after it")
-        self.move(self.address, self.loaded, self.damping, drift, self.duration, self.duration / self.kicked)
+        move(self.address, self.loaded, self.damping, drift, self.duration, self.duration / self.kicked)
         self.duration = 0.0
 
     def _book_friction(self) -> None:
@@ -141,8 +148,6 @@ class ExplicitMotion:
         work[6] += dissipated
 
     def _bind(self) -> None:
-        kernels = late("contactlab.kernels.motion")
-        self.move, self.predict, self.correct = kernels.move, kernels.predict, kernels.correct
         equations, state, prescribed = self.equations, self.state, self.equations.prescribed
         fields: dict[str, Any] = {
             "reference": equations.reference, "displacement": state["displacement"], "velocity": state["velocity"],
@@ -150,10 +155,204 @@ class ExplicitMotion:
             "mass": equations.mass, "dof": prescribed.dof, "scale": prescribed.scale, "ramp": prescribed.ramp,
             "ramps": prescribed.values(0.0), "before": np.zeros(len(prescribed.dof)), "trial": self.mean,
             "predicted": self.predicted, "contact": self.force, "compliance": self.compliance,
-            "reaction": self.reaction, "work": self.work, "products": np.zeros(POWERS),
+            "reaction": self.reaction, "work": self.work, "products": np.zeros(CHUNK),
             "carried": state["drift"] if "drift" in state else np.zeros(0),
             "relaxation": np.array([equations.relaxation]),
         }  # fmt: skip
-        table = kernels.MotionTable(**{name: field.reshape(-1) for name, field in fields.items()})
-        self.bound = BoundArrays(kernels.MotionTable, *table)
+        table = MotionTable(**{name: field.reshape(-1) for name, field in fields.items()})
+        self.bound = BoundArrays(MotionTable, *table)
         self.address = self.bound.address
+
+
+# --- kernels --------------------------------------------------------------------------------------------------------
+
+
+class MotionTable(NamedTuple):
+    """The arrays of one run, all flat.
+
+    mass is by node; dof, scale, ramp and ramps (values) as in `contactlab.api.PrescribedMotion`; before,
+    trial and products are scratch; carried is the slow velocity exempt from damping (or empty), relaxation its time
+    constant.
+    """
+
+    reference: Floats1
+    displacement: Floats1
+    velocity: Floats1
+    internal: Floats1
+    external: Floats1
+    mobility: Floats1
+    mass: Floats1
+    dof: Ints1
+    scale: Floats1
+    ramp: Ints1
+    ramps: Floats1
+    before: Floats1
+    trial: Floats1
+    predicted: Floats1
+    contact: Floats1
+    compliance: Floats1
+    reaction: Floats1
+    work: Floats1
+    products: Floats1
+    carried: Floats1
+    relaxation: Floats1
+
+
+@kernel
+def _velocities(
+    velocity: Floats, internal: Floats, external: Floats, loaded: bool, mobility: Floats, keep: float, gain: float,
+    trial: Floats,
+) -> None:  # fmt: skip
+    if loaded:
+        for i in range(velocity.size):
+            trial[i] = keep * velocity[i] + gain * ((external[i] - internal[i]) * mobility[i])
+    else:
+        for i in range(velocity.size):
+            trial[i] = keep * velocity[i] - gain * (internal[i] * mobility[i])
+
+
+@kernel
+def _add(trial: Floats, carried: Floats, factor: float) -> None:
+    for i in range(trial.size):
+        trial[i] += factor * carried[i]
+
+
+@kernel
+def _trial(m: MotionTable, loaded: bool, alpha: float, dt: float, duration: float) -> None:
+    """Compute v+ = [(1 - alpha T/2) v- + T (M^-1 f + alpha d)]/(1 + alpha T/2), and prescribed motion, into `trial`.
+
+    T is the `duration` of the kick, `dt` the time of the following motion of positions; 0 without.
+    """
+    scaling = 1.0 / (1.0 + 0.5 * alpha * duration)
+    keep, gain = (1.0 - 0.5 * alpha * duration) * scaling, duration * scaling
+    velocity, trial, u, dof, scale, ramp, ramps = m.velocity, m.trial, m.displacement, m.dof, m.scale, m.ramp, m.ramps
+    _velocities(velocity, m.internal, m.external, loaded, m.mobility, keep, gain, trial)
+    if m.carried.size > 0:
+        _add(trial, m.carried, gain * alpha)
+    for i in range(dof.size):
+        trial[dof[i]] = (scale[i] * ramps[ramp[i]] - u[dof[i]]) / dt if dt > 0.0 else velocity[dof[i]]
+
+
+@kernel
+def predict(bound: int, loaded: bool, alpha: float, dt: float, duration: float) -> None:
+    """Compute velocities `trial` and positions `predicted` without contact forces; prescribed motion is exact."""
+    m: MotionTable = unpack(bound, MotionTable)  # type: ignore[call-arg]
+    _trial(m, loaded, alpha, dt, duration)
+    x, u, v, out = m.reference, m.displacement, m.trial, m.predicted
+    for i in range(x.size):
+        out[i] = x[i] + (u[i] + dt * v[i])
+
+
+@kernel
+def _push(trial: Floats, compliance: Floats, contact: Floats, rate: float) -> None:
+    for i in range(trial.size):
+        trial[i] += rate * (compliance[i] * contact[i])
+
+
+@kernel
+def _advance(trial: Floats, velocity: Floats, displacement: Floats, dt: float) -> None:
+    """Update displacements and velocities from `trial`, which becomes the mean velocity."""
+    for i in range(trial.size):
+        after = trial[i]
+        trial[i] = 0.5 * (velocity[i] + after)
+        velocity[i] = after
+        displacement[i] += dt * after
+
+
+@kernel
+def _keep(m: MotionTable) -> None:
+    velocity, dof, before = m.velocity, m.dof, m.before
+    for i in range(dof.size):
+        before[i] = velocity[dof[i]]
+
+
+@kernel
+def move(bound: int, loaded: bool, alpha: float, dt: float, duration: float, share: float) -> None:
+    """Kick and drift without contact; `share` of the reaction belongs to this kick, the rest to earlier kicks."""
+    m: MotionTable = unpack(bound, MotionTable)  # type: ignore[call-arg]
+    _trial(m, loaded, alpha, dt, duration)
+    _keep(m)
+    _advance(m.trial, m.velocity, m.displacement, dt)
+    _book(m, loaded, False, alpha, duration, share)
+
+
+@kernel
+def correct(bound: int, loaded: bool, alpha: float, dt: float, duration: float) -> None:
+    """Add the contact forces' share of `trial`, move the nodes, and book the only kick of a step."""
+    m: MotionTable = unpack(bound, MotionTable)  # type: ignore[call-arg]
+    _keep(m)
+    _push(m.trial, m.compliance, m.contact, 1.0 / dt)
+    _advance(m.trial, m.velocity, m.displacement, dt)
+    _book(m, loaded, True, alpha, duration, 1.0)
+
+
+@kernel
+def _power(mean: Floats, force: Floats, products: Floats) -> float:
+    """Return the sum of mean * force. Pairwise: vector additions, equal on every machine, and small errors."""
+    total = 0.0
+    for begin in range(0, mean.size, CHUNK):
+        count = min(CHUNK, mean.size - begin)
+        part, push = mean[begin : begin + count], force[begin : begin + count]
+        for i in range(count):
+            products[i] = part[i] * push[i]
+        for i in range(count, CHUNK):
+            products[i] = 0.0
+        half = CHUNK // 2
+        while half > 0:
+            low, high = products[:half], products[half : 2 * half]
+            for i in range(half):
+                low[i] += high[i]
+            half //= 2
+        total += products[0]
+    return total
+
+
+@kernel
+def _damped(mass: Floats, mean: Floats) -> float:
+    total = 0.0
+    for n in range(mass.size):
+        total += mass[n] * (mean[2 * n] * mean[2 * n] + mean[2 * n + 1] * mean[2 * n + 1])
+    return total
+
+
+@kernel
+def _damped_beside(mass: Floats, mean: Floats, carried: Floats) -> float:
+    total = 0.0
+    for n in range(mass.size):
+        x, y = 2 * n, 2 * n + 1
+        total += mass[n] * (mean[x] * (mean[x] - carried[x]) + mean[y] * (mean[y] - carried[y]))
+    return total
+
+
+@kernel
+def _follow(mean: Floats, carried: Floats, share: float) -> None:
+    for i in range(mean.size):
+        carried[i] += share * (mean[i] - carried[i])
+
+
+@kernel
+def _book(m: MotionTable, loaded: bool, touching: bool, alpha: float, duration: float, share: float) -> None:
+    """Add work of every force with the mean velocity, and reactions of prescribed motion.
+
+    work = internal, external (with reactions), damping, contact, ... (see contactlab.api.WORK); only
+    acting forces are summed.
+    """
+    velocity, f, e, mass, dof, before, mean = m.velocity, m.internal, m.external, m.mass, m.dof, m.before, m.trial
+    y, r, work, products, carried = m.contact, m.reaction, m.work, m.products, m.carried
+    work[0] += duration * _power(mean, f, products)
+    load = _power(mean, e, products) if loaded else 0.0
+    if touching:
+        work[3] += duration * _power(mean, y, products)
+    if alpha != 0.0:
+        work[2] += duration * alpha * (_damped_beside(mass, mean, carried) if carried.size > 0 else _damped(mass, mean))
+    for k in range(dof.size):
+        i = dof[k]
+        needed = mass[i // 2] * ((velocity[i] - before[k]) / duration + alpha * mean[i]) + f[i]
+        needed -= mass[i // 2] * alpha * carried[i] if carried.size > 0 else 0.0
+        needed -= e[i] if loaded else 0.0
+        needed -= y[i] if touching else 0.0
+        r[i] = needed if share == 1.0 else r[i] + share * (needed - r[i])
+        load += mean[i] * needed
+    work[1] += duration * load
+    if carried.size > 0:
+        _follow(mean, carried, duration / (m.relaxation[0] + 0.5 * duration))
