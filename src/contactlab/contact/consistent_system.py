@@ -21,9 +21,7 @@ from contactlab.contact.pair import ContactPair
 from contactlab.contact.start_gaps import FacetOverlap
 from contactlab.kernels.contact import factored_gradients
 from contactlab.kernels.contact.factored_gradients import EndsTable
-from contactlab.kernels.contact.factored_rows import allow_constant_motion
-from contactlab.kernels.contact.gap_gradients import allow_motion
-from contactlab.kernels.contact.pair import largest_sideways
+from contactlab.kernels.contact.gap_gradients import allow_constant_motion, allow_motion, largest_sideways
 
 ROUND = 1e-9  # segment lengths: an offset this far across a normal turns it by round-off
 

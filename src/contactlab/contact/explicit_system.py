@@ -15,7 +15,7 @@ from contactlab.api import ExplicitEnforcement, FactoredGradients, FactoredRows,
 from contactlab.contact.pair import ContactPair, shown
 from contactlab.contact.sliding import FOLLOWED, taking_tractions, varying
 from contactlab.errors import WrongAnswer
-from contactlab.kernels.contact.rows import extrapolate, tangential_work
+from contactlab.kernels.contact.pair import extrapolate, tangential_work
 
 if TYPE_CHECKING:
     from contactlab.contact.corner_pair import CornerPair

@@ -31,7 +31,7 @@ from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair
 from contactlab.contact.pressure_response import PressureResponse, PressureStore, rub
 from contactlab.contact.pressure_system import PressureContactSystem
-from contactlab.kernels.contact.rows import tangential_work
+from contactlab.kernels.contact.pair import tangential_work
 from contactlab.kernels.contact.rub import start_slips
 
 TRACE = 1e-150  # stands for zero in matrices: the solver needs symmetric patterns, and sums drop zeros

@@ -28,10 +28,9 @@ from contactlab.contact.corners import Corners
 from contactlab.contact.examination import copies, refuse_written
 from contactlab.contact.pair import ContactPair, ContactSnapshot
 from contactlab.errors import SceneError, WrongAnswer
-from contactlab.kernels.contact import banded_rows, rows
+from contactlab.kernels.contact import banded_rows
 from contactlab.kernels.contact import pair as kernels
 from contactlab.kernels.contact.coupling import Coupling
-from contactlab.kernels.contact.factored_rows import write_factored
 from contactlab.kernels.contact.pair import FAR, BandedRows, BothSides, PairTable
 from contactlab.kernels.contact.search import SKIN, Near
 
@@ -239,7 +238,7 @@ class OperatorPair(ContactPair):
 
     def append_factored(self, out: FactoredRows) -> bool:
         """Append all constraints to `out`; False if `out` is too small."""
-        count = write_factored(self.address, self.first_slot, out.count, out)
+        count = kernels.write_factored(self.address, self.first_slot, out.count, out)
         if count >= 0:
             out.count = count
         return bool(count >= 0)
@@ -252,7 +251,9 @@ class OperatorPair(ContactPair):
         if taken:
             margin = FAR
         self.weights()
-        count, end = rows.write_rows(self.address, min(margin, FAR), multipliers, self.first_slot, first, entries, out)
+        count, end = kernels.write_rows(
+            self.address, min(margin, FAR), multipliers, self.first_slot, first, entries, out
+        )
         if count < 0:
             return -1
         self._append_slips(out, first, count, current)

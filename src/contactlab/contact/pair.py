@@ -24,8 +24,7 @@ from contactlab.api import (
 from contactlab.api.surface import SurfacePositions
 from contactlab.contact.sliding import sliding_of
 from contactlab.contact.start_gaps import StartGaps
-from contactlab.kernels.contact import rows
-from contactlab.kernels.contact.pair import FAR
+from contactlab.kernels.contact.pair import FAR, write_slips
 from contactlab.kernels.contact.search import REACH, Near, longest_segment, take
 
 if TYPE_CHECKING:
@@ -278,7 +277,7 @@ class ContactPair(ABC):
         if self.sliding is not None:
             self.write_bounds(out, first, last)
             measured = self.gaps, self.normals, self.sliding.before
-            rows.write_slips(first, last, self.first_slot, measured, current, out)
+            write_slips(first, last, self.first_slot, measured, current, out)
         elif len(out.slip):
             out.bound[:, first:last] = 0.0
             out.slip[first:last] = 0.0

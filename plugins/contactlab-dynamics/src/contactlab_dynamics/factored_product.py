@@ -15,7 +15,6 @@ import numpy as np
 from contactlab.api.arrays import Floats, Ints
 from contactlab.api.compiled.kernel import kernel, section
 from contactlab.api.enforcement import FactoredRows
-from contactlab_dynamics.touched import number_nodes
 
 WIDEST = 24  # constraints to either side; wider bands cost more than going through the nodes
 
@@ -40,6 +39,20 @@ class Columns(NamedTuple):
     padded: Floats
     carried: Floats
     nodal: Floats
+
+
+@kernel
+def number_nodes(node, local, touched, count):
+    """List what of `node` is not yet among the first `count` of `touched`, and number it in `local` (N,).
+
+    `local` is -1 where nothing has been numbered, negative nodes are skipped; returns the new count.
+    """
+    for n in node:
+        if n >= 0 and local[n] < 0:
+            local[n] = count
+            touched[count] = n
+            count += 1
+    return count
 
 
 @section

@@ -15,7 +15,7 @@ import numpy as np
 
 from contactlab.api.compiled.friction import friction_limit
 from contactlab.api.compiled.kernel import kernel, section
-from contactlab_dynamics.touched import largest_correction, number_nodes
+from contactlab_dynamics.factored_product import number_nodes
 
 
 @kernel
@@ -35,7 +35,7 @@ def solve_dense(count, rows, compliance, multipliers, force, tolerance, limit):
     if count > rigid:
         sweeps, residual = _dense_sweeps(count, rows, dense, tolerance, limit)
     _finish(count, rows, multipliers, force)
-    return sweeps, residual, rigid, largest_correction(touched[:nodes], compliance, force)
+    return sweeps, residual, rigid, _largest_correction(touched[:nodes], compliance, force)
 
 
 @kernel
@@ -47,7 +47,7 @@ def solve_sparse(count, rows, compliance, multipliers, force, tolerance, limit):
     if count > rigid:
         sweeps, residual = _sparse_sweeps(count, rows, compliance, force, tolerance, limit)
     _finish(count, rows, multipliers, force)
-    return sweeps, residual, rigid, largest_correction(rows.node[: rows.start[count]], compliance, force)
+    return sweeps, residual, rigid, _largest_correction(rows.node[: rows.start[count]], compliance, force)
 
 
 @section
@@ -69,6 +69,15 @@ def _add_force(begin, end, node, weight, amount, force):
         for z in range(begin, end):
             force[node[z], 0] += weight[z, 0] * amount
             force[node[z], 1] += weight[z, 1] * amount
+
+
+@kernel
+def _largest_correction(node, compliance, force):
+    """Largest displacement [mm] that the forces give to any of these nodes."""
+    largest = 0.0
+    for n in node:
+        largest = max(largest, abs(compliance[n, 0] * force[n, 0]), abs(compliance[n, 1] * force[n, 1]))
+    return largest
 
 
 @section

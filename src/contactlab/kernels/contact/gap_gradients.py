@@ -238,3 +238,50 @@ def from_derivatives(count, derivatives, owner, at, separation, out):
                 value[e, j, c, 0, 0], value[e, j, c, 0, 1] = 0.0, 0.0
                 value[e, j, c, 0, moved[e] % 2] = weighted_change(e, j, c, derivatives, owner, at, separation)
     return count
+
+
+@kernel
+def allow_constant_motion(count, rows, current, predicted, velocity, last_dt, offset):
+    """Replace initial gaps by the constraint at the end of the step, as `allow_motion` does for written rows.
+
+    The first `count` of `rows`, `FactoredRows`, are in use; offset (k,) [mm] becomes the gap at the start plus the
+    allowed motion.
+    """
+    carried, (px, py, qx, qy) = np.empty((count, 4)), (0.0, 0.0, 0.0, 0.0)
+    for i in range(count):
+        x, y, s, t = 0.0, 0.0, 0.0, 0.0
+        for z in range(rows.start[i], rows.start[i + 1]):
+            n, w = rows.node[z], rows.weight[z]
+            x, y = x + w * (predicted[n, 0] - current[n, 0]), y + w * (predicted[n, 1] - current[n, 1])
+            s, t = s + w * velocity[n, 0], t + w * velocity[n, 1]
+        u, v = rows.inverse[i], -rows.above[i] * rows.inverse[i]
+        px, py, qx, qy = v * px + u * x, v * py + u * y, v * qx + u * s, v * qy + u * t
+        carried[i, 0], carried[i, 1], carried[i, 2], carried[i, 3] = px, py, qx, qy
+    px, py, qx, qy, factor = 0.0, 0.0, 0.0, 0.0, 0.0
+    for i in range(count - 1, -1, -1):
+        v, n = -factor * rows.inverse[i], rows.own[i]
+        px, py, qx, qy = v * px + carried[i, 0], v * py + carried[i, 1], v * qx + carried[i, 2], v * qy + carried[i, 3]
+        x, y, s, t = px, py, qx, qy
+        if n >= 0:
+            x, y = x + (predicted[n, 0] - current[n, 0]), y + (predicted[n, 1] - current[n, 1])
+            s, t = s + velocity[n, 0], t + velocity[n, 1]
+        moved = rows.normal[i, 0] * x + rows.normal[i, 1] * y
+        came = last_dt * (rows.normal[i, 0] * s + rows.normal[i, 1] * t)
+        allowed = min(-rows.gap[i], -came, 0.0)
+        offset[i] = rows.gap[i] + allowed
+        rows.gap[i] = moved - allowed
+        factor = rows.below[i]
+
+
+@kernel
+def largest_sideways(bound):
+    """Return the largest offset across the normal between joined points, over the length of their slave segments.
+
+    `bound` is the address of a `PairTable`, with gaps at the positions of the constraints.
+    """
+    pair = unpack(bound, PairTable)
+    c, largest = pair.coupling, 0.0
+    for i in range(c.kept[0]):
+        k = c.order[i]
+        largest = max(largest, abs(pair.gaps[k, 1]) / c.full[k])
+    return largest
