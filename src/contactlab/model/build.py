@@ -19,7 +19,7 @@ from contactlab.model.loading.held_bodies import check_supported
 from contactlab.model.loading.load_profile import of_nodes
 from contactlab.model.loading.node_profiles import tell_unresolved
 from contactlab.model.loading.supports import plan_supports
-from contactlab.model.model import Loading, Model
+from contactlab.model.model import ExplicitModel, Loading, Model
 from contactlab.model.sizes import check_meshed_size, check_sizes
 from contactlab.model.timing import Timing, find_timing
 from contactlab.parts.error_origin import part_errors
@@ -270,8 +270,6 @@ def _shapes(
 
 def _model_class(integrator: Integrator) -> type[Model]:
     if isinstance(integrator, ExplicitIntegrator):
-        from contactlab.model.explicit_model import ExplicitModel
-
         return ExplicitModel
     from contactlab.model.implicit_model import ImplicitModel
 

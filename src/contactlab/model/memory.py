@@ -13,8 +13,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from contactlab.api import Floats
-from contactlab.model.explicit_model import ExplicitModel
-from contactlab.model.model import Model
+from contactlab.model.model import ExplicitModel, Model
 
 
 def model_memory(model: Model) -> dict[str, Floats]:
