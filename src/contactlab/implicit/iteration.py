@@ -11,8 +11,7 @@ from contactlab.api import Floats, ImplicitEquations, Iteration, State
 from contactlab.api.frame import SLIP
 from contactlab.implicit.factor import SingularSystem, with_diagonal
 from contactlab.implicit.saddle import SaddleSystem
-from contactlab.implicit.scales import AWAY, Residual, Scales, force_scale
-from contactlab.implicit.trial import SHORTEST, Balance, LineSearch, Trial
+from contactlab.implicit.trial import AWAY, SHORTEST, Balance, LineSearch, Residual, Scales, Trial, force_scale
 
 AUGMENTATIONS = 40  # times the iterations of a step, for augmentations
 TAKEOVERS = 40  # times that friction may take newer normal forces or slips in a step

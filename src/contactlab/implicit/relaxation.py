@@ -18,7 +18,7 @@ import numpy as np
 from contactlab.api import WORK, Floats, ImplicitEquations, Iteration, Response, State
 from contactlab.implicit.factor import with_diagonal
 from contactlab.implicit.iteration import Outcome, take_back
-from contactlab.implicit.scales import force_scale
+from contactlab.implicit.trial import force_scale
 
 if TYPE_CHECKING:
     from contactlab.implicit.load_step import LoadStep

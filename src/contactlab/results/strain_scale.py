@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactlab.implicit.scales import ROUND_OFF
+from contactlab.implicit.trial import ROUND_OFF
 
 if TYPE_CHECKING:
     from contactlab.contact.pair import ContactPair
