@@ -74,7 +74,7 @@ def flutter(block: Block, mu: float, fraction: float = 0.9) -> Flutter:
     in_steps = np.abs(np.log(np.abs(half + np.sqrt(half**2 - 1.0 + 0.0j)))) / dt
     moving = np.abs(frequency) > RIGID * highest
     most = int(np.argmax(np.where(moving, np.abs(frequency.imag), 0.0)))
-    needed = np.where(moving, in_steps / (0.5 * (1.0 - share.real)), 0.0)
+    needed = np.divide(in_steps, 0.5 * (1.0 - share.real), out=np.zeros_like(in_steps), where=moving)
     worst = int(np.argmax(needed))
     return Flutter(
         float(abs(frequency[most].imag)), float(frequency[most].real), float(in_steps[most]),
