@@ -10,7 +10,7 @@ import numpy as np
 
 from contactlab.api import Conditions, Floats, FrictionBound, Iteration, PointContact, StepStatus, Surface
 from contactlab.api.frame import SLIP, STICK
-from contactlab.model.loading.held_bodies import MOTIONS, driven, free_motions, hold, loose_motions, unbalanced
+from contactlab.model.loading.held_bodies import MOTIONS, driven, free_motions, hold, loose_motions, opposed, unbalanced
 from contactlab.run.coordinates import coordinates
 
 if TYPE_CHECKING:
@@ -215,8 +215,10 @@ def _friction_used_up(model: Model, scene: Scene) -> str:
     if not len(contact.conditions.slip):
         return ""
     used = {pair: friction_share(contact.conditions, pair.first_slot, pair.slots) for pair in contact.pairs}
-    loose = loose_motions(cast("ImplicitModel", model), friction=False, least=SLOPE) or _sliding(model, scene, used)
-    if not loose:
+    loose = loose_motions(cast("ImplicitModel", model), friction=False, least=SLOPE)
+    if loose and opposed(cast("ImplicitModel", model), SLOPE) < USED:
+        return ""
+    if not (loose := loose or _sliding(model, scene, used)):
         return ""
     at_limit = [
         f"friction of {pair.name} carries {share:.1%} of its limit" for pair, share in used.items() if share > USED
@@ -233,15 +235,21 @@ def _friction_used_up(model: Model, scene: Scene) -> str:
 
 
 def _sliding(model: Model, scene: Scene, used: dict[ContactPair, float]) -> dict[str, tuple[str, ...]]:
-    """Bodies without supports whose pressing nodes all slip, as those of a belt do: no rigid motion of it is free."""
-    pressed = [pair for pair in used if model.state["multipliers"][0, pair.own].any()]
-    return {
-        body.name: ("sliding along its contacts",)
-        for body in model.bodies
-        if len(free_motions(body, model.prescribed)) == len(MOTIONS)
-        and (own := [used[pair] for pair in pressed if body.name in _bodies(scene, pair)])
-        and min(own) > SLIPS
-    }
+    """Bodies without supports whose pressing nodes all slip one way around, as those of a belt do.
+
+    No rigid motion of a belt is free.
+    """
+    forces = model.state["multipliers"]
+    pressed = [pair for pair in used if forces[0, pair.own].any()]
+    found: dict[str, tuple[str, ...]] = {}
+    for body in model.bodies:
+        own = [pair for pair in pressed if body.name in _bodies(scene, pair)]
+        if len(free_motions(body, model.prescribed)) < len(MOTIONS) or not own:
+            continue
+        around = np.concatenate([forces[1, pair.own] for pair in own])
+        if min(used[pair] for pair in own) > SLIPS and abs(around.sum()) > USED * np.abs(around).sum():
+            found[body.name] = ("sliding along its contacts",)
+    return found
 
 
 def _tipping(model: Model, scene: Scene) -> str:

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from contactlab.api import Iteration
+from contactlab.api import Iteration, StepStatus
 from contactlab.model.build import build
 from contactlab.model.model import Model
 from contactlab.parts.registry import default_registry
-from contactlab.run.failure_cause import cause_of_failure
+from contactlab.run.failure_cause import cause_of_failure, friction_share
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene, load_scene
 
@@ -91,6 +91,23 @@ def test_a_belt_that_slides_round_its_drum_is_a_limit_load() -> None:
     limit = np.exp(mu * np.radians(90.0) * radius / (radius + 0.5 * thick))
     pull = 1.0 + (results.summary["reached"]["time"] - 0.4) / 0.6 * (most - 1.0)
     assert pull == pytest.approx(limit, rel=5e-3)
+
+
+@pytest.mark.parametrize("push", [0.0, 0.0399])
+def test_friction_that_pulls_both_ways_is_no_limit_load(push: float) -> None:
+    """Pressed by 4 MPa, a block widens: at mu = 0.01 all of it slides outwards, until it is pushed to one side."""
+    scene = pushed(0.01, push).with_({
+        "bodies.block.mesh.cells": [40, 2], "contacts.0.enforcement": {"use": "active-set", "start": "slip"},
+    })  # fmt: skip
+    model = build(scene, default_registry())
+    advance = model.bound_integrator().step
+    for _ in range(4):
+        assert advance(0.25).status is StepStatus.accepted
+    assert model.contact is not None
+    (pair,) = model.contact.pairs
+    share = friction_share(model.contact.conditions, pair.first_slot, pair.slots)
+    assert share > 0.9  # all nodes but those in the middle, which do not move
+    assert ("limit load" in cause_of_failure(model, scene, (), 0.1)) is (push > 0.0)
 
 
 def test_a_body_that_tips_is_a_limit_load() -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contactlab.api import Floats, Integrator
+from contactlab.api import Floats, FrictionBound, Integrator
 from contactlab.errors import SceneError
 from contactlab.model.bodies.body import Body
 from contactlab.model.loading.supports import Prescribed, SupportPlan
@@ -113,6 +113,25 @@ def driven(model: ImplicitModel, time: float) -> bool:
     model.external_force(time, force)
     modes, free = _loose(model, _unheld(model), True, RANK, True)
     return bool(np.any(np.abs(free @ (modes.T @ force.ravel())) > RANK * np.abs(force).sum()))
+
+
+def opposed(model: ImplicitModel, least: float) -> float:
+    """Return the share of its bound with which friction opposes the motions that nothing else resists.
+
+    Of these motions it is the one along which friction has the largest resultant. Friction of two contacts that pull
+    against each other opposes no motion of the body, even if both are at their bounds.
+    """
+    modes, free = _loose(model, _unheld(model), False, least, True)
+    assert model.contact is not None
+    c = model.contact.conditions
+    closed = np.flatnonzero(c.present & (c.force[0] > 0.0)).astype(np.int32)
+    _, across = model.contact.directions(closed)
+    if across is None or not len(free):
+        return 0.0
+    slips = np.asarray(across @ modes) @ free.T
+    resultant = c.force[1, closed] @ slips
+    bound, _ = FrictionBound(*c.bound[:, closed]).limits(c.force[0, closed], c.measure[closed])
+    return float(resultant @ resultant) / max(float(bound @ np.abs(slips @ resultant)), 1e-300)
 
 
 def unbalanced(model: ImplicitModel, time: float) -> list[str]:
