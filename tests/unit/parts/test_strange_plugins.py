@@ -14,7 +14,7 @@ import pytest
 
 from contactlab.api import Floats, Iteration, Material, Step, StepStatus
 from contactlab.errors import PartError, WrongAnswer
-from contactlab.model.bodies.checked_parts import refuse_writing_to_inputs
+from contactlab.model.bodies.build_bodies import refuse_writing_to_inputs
 from contactlab.parts import loading
 from contactlab.parts.loading import Origin, Plugin
 from contactlab.parts.registry import Registry
