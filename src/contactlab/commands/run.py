@@ -1,4 +1,4 @@
-"""`contactlab run`: one scene, one run."""
+"""`contactlab run`: one scene, one run. docs/theory/README.md lists the files from here to the contact forces."""
 
 from __future__ import annotations
 

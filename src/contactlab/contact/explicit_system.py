@@ -1,4 +1,4 @@
-"""All contact pairs of a model: one list of constraints, one solve."""
+"""All contact pairs of a model: one list of constraints, one solve by `enforcement`, a plugin component."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class ContactSystem:
     `seconds` counts the wall time of contact, `solution_s` its part in the enforcement. `consistent` is True if
     forces act along the derivatives of the gaps.
     `compliance` belongs to the last solve: displacement (N, 2) [mm/N] per contact force within its step.
-    `passes` are all pairs, `pairs` the pairs in reports (see `ContactPair.second`).
+    `passes` are all pairs, an `OperatorPair` for each mortar; `pairs` are in reports (see `ContactPair.second`).
     `split` sums the work by its sources, if the scene asks for it.
     `reduced` are rows before the couplings T of their multipliers are inverted, tried in this order before `rows`;
     `factored` are the rows that the last step began with.

@@ -35,7 +35,7 @@ StepCall = Callable[[float, float], None]
 class ImplicitContactSystem:
     """All contact pairs and their enforcement. Implements `contactlab.api.ImplicitContact`.
 
-    passes        all pairs; `pairs` are the pairs in reports (see `ContactPair.second`)
+    passes        all pairs, an `OperatorPair` for each mortar; `pairs` are in reports (see `ContactPair.second`)
     consistent    True if normal forces act along the derivatives of the gaps
     whole_steps   True if they do so in dynamic steps, which hold gaps by rows that belong to the whole step
     potentials    pairs whose forces come from an energy; `linear` are the others, which set constraints

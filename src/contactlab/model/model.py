@@ -57,24 +57,6 @@ class Loading:
     effects: tuple[Callable[[float, Floats], None], ...]
     rates: EffectRates = NO_EFFECTS
 
-    @property
-    def accepted(self) -> tuple[StepCall, ...]:
-        """Functions called with the end and the length [s] of each accepted step: effects with memory."""
-        return tuple(effect.accept for effect in self.effects if hasattr(effect, "accept"))
-
-    def external_force(self, time: float, out: Floats) -> bool:
-        """Fill `out` (N, 2) with the forces [N] of all loads at `time` [s]; False if the scene has none."""
-        if not self.loads:
-            return False
-        out[:] = 0.0
-        for load in self.loads:
-            load(time, out)
-        return True
-
-    def reactions(self, forces: Floats) -> dict[str, Floats]:
-        """Return sums (2,) [N] of nodal reactions `forces` (N, 2) by support; shared ones count for the first."""
-        return {support.on: support.force(forces) for support in self.supports}
-
 
 @dataclass
 class Model(ABC):
@@ -148,10 +130,10 @@ class Model(ABC):
         """Return what makes the steps of a run; the integrator works on `seen`, or on this model."""
         integrator: Any = self.integrator
         equations = self if seen is None else seen
+        accepted = tuple(effect.accept for effect in self.loading.effects if hasattr(effect, "accept"))  # with memory
         if (contact := self.contact) is None:
-            return BoundIntegrator(integrator, equations, self.state, (), self.loading.accepted)
-        follow = (*contact.follow, *self.loading.accepted)
-        return BoundIntegrator(integrator, equations, self.state, contact.begin, follow)
+            return BoundIntegrator(integrator, equations, self.state, (), accepted)
+        return BoundIntegrator(integrator, equations, self.state, contact.begin, (*contact.follow, *accepted))
 
     @abstractmethod
     def lagging_work(self) -> float:
@@ -159,7 +141,12 @@ class Model(ABC):
 
     def external_force(self, time: float, out: Floats) -> bool:
         """Fill `out` (N, 2) with all loads [N]; False if the scene has none."""
-        return self.loading.external_force(time, out)
+        if not self.loading.loads:
+            return False
+        out[:] = 0.0
+        for load in self.loading.loads:
+            load(time, out)
+        return True
 
     def stable_step(self) -> float:
         """Return the largest explicit step [s] of the bodies at the present geometry, without effects."""
@@ -191,7 +178,7 @@ class Model(ABC):
 
     def reactions(self) -> dict[str, Floats]:
         """Return the force of each support on its body (2,) [N]; shared degrees of freedom count for the first."""
-        return self.loading.reactions(self.state["reaction"])
+        return {support.on: support.force(self.state["reaction"]) for support in self.loading.supports}
 
 
 @dataclass
