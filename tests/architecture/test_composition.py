@@ -56,7 +56,7 @@ EFFECTS: dict[str, Traces] = {
         r"contactlab_solids\.(kernels\.(?!linear_elastic)|hypoelastic_kernels|j2_kernels)",
     ),
     "quadratic shape functions": Traces(modules=r"contactlab_quads\.(q2|quadratic)"),
-    "inertia": Traces(kernels=r"contactlab\.kernels\.motion", arrays=r"mass|state\.velocity"),
+    "inertia": Traces(kernels=r"contactlab\.model\.motion", arrays=r"mass|state\.velocity"),
     "material history": Traces(arrays=r"state\.history"),
     "plasticity": Traces(modules=r"contactlab_solids\.j2"),
     "hourglass control": Traces(kernels=r".*\.stabilise", calls="element stabilisation"),
