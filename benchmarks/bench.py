@@ -3,6 +3,7 @@
     python benchmarks/bench.py                  # `make bench`: some twenty minutes
     python benchmarks/bench.py --quick          # `make bench QUICK=1`: three minutes, no large meshes
     python benchmarks/bench.py --update         # keep these ratios as the newest of this kind of machine
+    python benchmarks/bench.py --only steps     # a part of it alone, printed as JSON: no page, nothing is judged
 
 Ratios are between things measured in turns in one process (peers: in processes of their own, in turns), CPU time,
 medians. They belong to the machine all the same, as the share of memory in them differs (ours over Akantu was 25 on
@@ -19,7 +20,8 @@ import os
 import subprocess
 import sys
 import venv
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -57,7 +59,7 @@ def element_rows(quick: bool, rounds: int) -> list[dict[str, Any]]:
     rows = []
     for element, law, size in wanted:
         row = elements.measure(element, law, size, rounds, arrays)
-        rows.append(elements.asdict(row))
+        rows.append(asdict(row))
         speed = f"{row.millions_per_s:6.1f} M/s, {row.share_of_bound:.0%}"
         print(f"  {element:11s} {law:17s} {row.cells:8d} cells {speed}", flush=True)
     return rows
@@ -115,24 +117,36 @@ def _beside(python: Path, name: str, cells: int) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def measure(quick: bool, rounds: int) -> dict[str, Any]:
-    """Everything, printed as it comes."""
+def step_costs(quick: bool, rounds: int) -> dict[str, Any]:
+    """A step by phase, contact alone, and what both are made of."""
+    print("a step of two pressed blocks by phase")
+    phases = steps.phases(steps.CELLS[:4] if quick else steps.CELLS, rounds)
+    print("contact alone")
+    contact = steps.contacts(steps.NODES[:3] if quick else steps.NODES, rounds)
+    return {
+        "phases": phases, "contact": contact, "exponents": steps.exponents(phases, contact),
+        "overhead": steps.overhead(rounds), "memory": steps.memory(), "start_up": steps.start_up(3),
+    }  # fmt: skip
+
+
+PARTS: dict[str, Callable[[bool, int], dict[str, Any]]] = {
+    "elements": lambda quick, rounds: {"elements": element_rows(quick, rounds)},
+    "steps": step_costs,
+    "peers": lambda quick, rounds: {"peers": peer_rows(quick)},
+    "numpy-law": lambda quick, rounds: {"numpy law": numpy_law.study(10_000, rounds)},
+    "compilation": lambda quick, rounds: {"compilation": compile_times.study("mortar-p1" if quick else "")},
+}
+"""What is measured, by the name of a part."""
+
+
+def measure(quick: bool, rounds: int, only: str = "") -> dict[str, Any]:
+    """Everything, or one part, printed as it comes."""
     found: dict[str, Any] = {"machine": machine(4_000_000 if quick else 20_000_000, rounds)}
     print(kind(found["machine"]))
-    print("updates per second of explicit steps")
-    found["elements"] = element_rows(quick, rounds)
-    print("a step of two pressed blocks by phase")
-    found["phases"] = steps.phases(steps.CELLS[:4] if quick else steps.CELLS, rounds)
-    print("contact alone")
-    found["contact"] = steps.contacts(steps.NODES[:3] if quick else steps.NODES, rounds)
-    found["exponents"] = steps.exponents(found["phases"], found["contact"])
-    found["overhead"], found["memory"] = steps.overhead(rounds), steps.memory()
-    found["start_up"] = steps.start_up(3, cold=False)
-    print("peers")
-    found["peers"] = peer_rows(quick)
-    print("a law in NumPy; compilation")
-    found["numpy law"] = numpy_law.study(10_000, rounds)
-    found["compilation"] = compile_times.study("mortar-p1" if quick else "")
+    for name, part in PARTS.items():
+        if only in ("", name):
+            print(name)
+            found |= part(quick, rounds)
     return found
 
 
@@ -192,12 +206,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="small sizes and few rounds")
     parser.add_argument("--rounds", type=int, default=7)
+    parser.add_argument("--only", default="", choices=PARTS, help="measure this part alone")
     parser.add_argument("--update", action="store_true", help="keep the ratios, with machine and version")
     parser.add_argument(
         "--out", type=Path, default=Path("runs/bench"), help="folder of the page, its plots and numbers"
     )
     chosen = parser.parse_args(arguments)
-    found = measure(chosen.quick, min(chosen.rounds, 5) if chosen.quick else chosen.rounds)
+    found = measure(chosen.quick, min(chosen.rounds, 5) if chosen.quick else chosen.rounds, chosen.only)
+    if chosen.only:
+        print(json.dumps(found, indent=1))
+        return 0
     ratios = ratios_of(found)
     kept = baselines.load()
     before = baselines.like(kept, found["machine"])

@@ -2,20 +2,15 @@
 
 Each row is timed beside a yardstick in the same process, in turns: the time that the memory of this machine needs
 for the bytes that no scheme can avoid, from a triad. Both seconds and ratios belong to the machine, as the share of
-memory in them differs. Times are of the thread (CPU), medians of rounds.
-
-    python benchmarks/kernels/elements.py                              # bilinear, all laws, 1k to 1M cells
-    python benchmarks/kernels/elements.py --elements q2 --sizes 10000 --laws neo-hookean
+memory in them differs. Times are of the thread (CPU), medians of rounds. `benchmarks/bench.py --only elements`.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
 import os
 import tempfile
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 from time import thread_time
@@ -138,36 +133,3 @@ def measure(element: str, law: str, cells: int, rounds: int, arrays: tuple[Any, 
     least, ns, largest = (1e9 * of(steps) / count for of in (min, median, max))
     bound = median(triads) * unavoidable_bytes(element, law, model) * 1e9
     return Row(element, law, count, ns, 1e3 / ns, (least, largest), bound / ns)
-
-
-def main() -> None:
-    """Measure and print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--elements", nargs="+", default=["q1"])
-    parser.add_argument("--laws", nargs="+", default=list(LAWS), choices=list(LAWS))
-    parser.add_argument("--sizes", nargs="+", type=int, default=[1_000, 10_000, 100_000, 1_000_000])
-    parser.add_argument("--rounds", type=int, default=7)
-    parser.add_argument("--json", type=Path, help="write the rows to this file, too")
-    chosen = parser.parse_args()
-    arrays = tuple(np.ones(20_000_000) for _ in range(3))
-    triad(*arrays)
-    speed = 24 * arrays[0].size / seconds(lambda: triad(*arrays), 3) / 1e9
-    print(f"triad {speed:.1f} GB/s; per cell and step, CPU time of one thread, median of {chosen.rounds} rounds")
-    print(f"{'element':12s} {'law':17s} {'cells':>8s} {'ns':>8s} {'M/s':>7s} {'bound':>6s}")
-    rows = []
-    for element in chosen.elements:
-        for law in chosen.laws:
-            for size in chosen.sizes:
-                row = measure(element, law, size, chosen.rounds, arrays)
-                rows.append(row)
-                print(
-                    f"{row.element:12s} {row.law:17s} {row.cells:8d} {row.ns:8.1f} {row.millions_per_s:7.1f} "
-                    f"{row.share_of_bound:6.0%}",
-                    flush=True,
-                )
-    if chosen.json is not None:
-        chosen.json.write_text(json.dumps([asdict(row) for row in rows], indent=1))
-
-
-if __name__ == "__main__":
-    main()

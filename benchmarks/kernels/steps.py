@@ -1,25 +1,17 @@
 """What an explicit step costs, phase by phase, from 200 to 200 000 cells; contact from 100 to 10 000 slave nodes;
-start-up, compilation and memory.
+start-up and memory.
 
 Two blocks are pressed onto each other between their outer edges, every slave node active. Phases are timed with the
 clock of the thread, in rounds, and the median round counts: seconds belong to this machine, ratios and
-exponents to the program.
-
-    python benchmarks/kernels/steps.py                 # all of it, some minutes
-    python benchmarks/kernels/steps.py --brief         # small sizes, half a minute
-    python benchmarks/kernels/steps.py --cold          # compile everything anew as well
+exponents to the program. `benchmarks/bench.py --only steps`.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
 import os
 import subprocess
 import sys
-import tempfile
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from statistics import median
 from time import perf_counter, thread_time
 from typing import Any
@@ -211,46 +203,14 @@ print(time.process_time() - began)
 """
 
 
-def start_up(rounds: int, cold: bool) -> dict[str, float]:
+def start_up(rounds: int) -> dict[str, float]:
     """CPU seconds of fresh processes; the best of several tries, since the first reads everything from disk."""
     programs = {"python": "pass", "numpy": "import numpy", "contactlab": "import contactlab", "first_step": FIRST_STEP}
-    best = {name: min(_cpu(program) for _ in range(rounds)) for name, program in programs.items()}
-    if cold:
-        with tempfile.TemporaryDirectory() as cache:
-            best["compile_everything"] = _cpu(FIRST_STEP, CONTACTLAB_CACHE=cache)
-    return best
+    return {name: min(_cpu(program) for _ in range(rounds)) for name, program in programs.items()}
 
 
-def _cpu(program: str, **environment: str) -> float:
+def _cpu(program: str) -> float:
     before = os.times()
-    subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, env={**os.environ, **environment})
+    subprocess.run([sys.executable, "-c", program], check=True, capture_output=True)
     after = os.times()
     return after.children_user + after.children_system - before.children_user - before.children_system
-
-
-def main() -> None:
-    """Measure and print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--brief", action="store_true", help="small sizes and few rounds")
-    parser.add_argument("--cold", action="store_true", help="compile all kernels of disc-on-block anew")
-    parser.add_argument("--rounds", type=int, default=7)
-    parser.add_argument("--json", type=Path, help="write everything to this file, too")
-    chosen = parser.parse_args()
-    rounds = min(chosen.rounds, 5) if chosen.brief else chosen.rounds
-    cells, nodes = (CELLS[:-1], NODES[:-1]) if chosen.brief else (CELLS, NODES)
-    print("a step of two pressed blocks, CPU time of one thread")
-    by_cells = phases(cells, rounds)
-    print("contact alone")
-    by_nodes = contacts(nodes, rounds)
-    found = {
-        "phases": by_cells, "contact": by_nodes, "exponents": exponents(by_cells, by_nodes),
-        "overhead": overhead(rounds), "memory": memory(), "start_up": start_up(3, chosen.cold),
-    }  # fmt: skip
-    for title in ("exponents", "overhead", "memory", "start_up"):
-        print(f"{title}: {json.dumps(found[title])}")
-    if chosen.json is not None:
-        chosen.json.write_text(json.dumps(found, indent=1))
-
-
-if __name__ == "__main__":
-    main()

@@ -2,14 +2,11 @@
 
 A cache with everything that disc-on-block needs is made first; every combination then begins with a copy of that, in a
 process of its own. What is printed is the CPU time up to the end of the third step less that of disc-on-block, which
-compiles nothing; wall times are not taken, since others may use the machine.
-
-    python benchmarks/studies/compile_times.py [--only TEXT]
+compiles nothing; wall times are not taken, since others may use the machine. `benchmarks/bench.py --only compilation`.
 """
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import shutil
@@ -90,18 +87,3 @@ def study(only: str = "") -> dict[str, Any]:
                 rows[name] = max(0.0, cpu(changes, cache) - again)
                 shutil.rmtree(cache)
     return {"everything_s": everything, "known_s": again, "combinations_s": rows}
-
-
-def main() -> None:
-    """Measure and print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--only", default="", help="combinations whose name contains this")
-    found = study(parser.parse_args().only)
-    print(f"everything from an empty cache: {found['everything_s']:.1f} s of CPU time")
-    print(f"known, to the third step:       {found['known_s']:.2f} s")
-    for name, seconds in found["combinations_s"].items():
-        print(f"  {name:22s} {seconds:5.1f} s more")
-
-
-if __name__ == "__main__":
-    main()

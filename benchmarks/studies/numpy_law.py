@@ -3,23 +3,14 @@
 Neo-Hookean, as an author would write it without a compiler: one line of NumPy for each component, on the rows of a
 block. And once more with stacked matrices and `np.linalg`, which is shorter and what one should not do. Whole explicit
 steps, elements and node updates included, in one process and in turns; CPU time of the thread, medians.
-
-    python benchmarks/studies/numpy_law.py [--cells 10000] [--rounds 9]
+`benchmarks/bench.py --only numpy-law`.
 """
 
 from __future__ import annotations
 
-import argparse
-import os
-import sys
 from dataclasses import dataclass
-from pathlib import Path
 from statistics import median
 from typing import Any, ClassVar
-
-os.environ.setdefault("NUMBA_NUM_THREADS", "1")
-os.environ.setdefault("OMP_NUM_THREADS", "1")
-sys.path.insert(0, str(Path(__file__).parents[1] / "kernels"))
 
 import numpy as np
 from elements import model_of, seconds, stepper
@@ -116,20 +107,3 @@ def _alone(made: dict[str, tuple[Any, Any]], rounds: int) -> float:
 def _stresses(forces: Any) -> None:
     for block in forces.blocks:
         forces.body.material.stress(block.gradient, block.history, 0.0, block.stress, block.new_history)
-
-
-def main() -> None:
-    """Measure and print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--cells", type=int, default=10_000)
-    parser.add_argument("--rounds", type=int, default=9)
-    chosen = parser.parse_args()
-    found = study(chosen.cells, chosen.rounds)
-    print(f"{chosen.cells} cells; compiled: {found['compiled_ns']:.1f} ns per cell and step")
-    for name in ("by components", "by matrices"):
-        print(f"  NumPy {name:14s} {found[name]:5.1f} times as long")
-    print(f"  the law alone, NumPy by components: {found['alone']:.1f} times as long")
-
-
-if __name__ == "__main__":
-    main()

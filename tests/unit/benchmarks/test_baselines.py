@@ -62,7 +62,7 @@ def test_a_run_without_a_baseline_of_its_kind_judges_nothing(
     import bench
 
     measured = {"machine": a_machine("new")}
-    monkeypatch.setattr(bench, "measure", lambda quick, rounds: measured)
+    monkeypatch.setattr(bench, "measure", lambda *_: measured)
     monkeypatch.setattr(bench, "ratios_of", lambda found: {"times akantu": 1.0})
     pages: list[str] = []
     monkeypatch.setattr(bench, "write_page", lambda found, lost, against, folder: pages.append(against))
