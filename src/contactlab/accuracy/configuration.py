@@ -15,16 +15,16 @@ from contactlab.scene.scene import Scene
 class Configuration:
     """Configuration of a run; an empty string keeps the value of the scene.
 
-    algorithm   of all contacts
+    algorithm   of all contacts, a name or a table
     exchanged   numbers of the contacts whose slave and master are exchanged
-    element     of all bodies
+    element     of all bodies, a name or a table
     integrator  its name
     steps       load steps of a static integrator; 0 leaves them
     """
 
-    algorithm: str
+    algorithm: Any
     exchanged: tuple[int, ...] = ()
-    element: str = ""
+    element: Any = ""
     integrator: str = ""
     steps: int = 0
 

@@ -12,7 +12,7 @@ from contactlab.accuracy.scene_case import PRESSURE
 from contactlab.api import Record, Setup
 from contactlab.api.arrays import Floats, Ints
 from contactlab.errors import PartError
-from contactlab.studies.profile import Profile, Window
+from contactlab.studies.profile import Profile, Window, quadrature
 
 MEASURES = ("L2 of the pressure", PRESSURE)
 """What names of measures begin with that a best approximation goes with: relative errors of the pressure in L2."""
@@ -39,9 +39,6 @@ def best_of(problem: Problem, setup: Setup, done: Mapping[str, Record]) -> float
     return best_error(np.asarray(records[0].curve().x, float), profile, exact.window)
 
 
-_GAUSS = 0.5 / np.sqrt(3.0)
-
-
 def best_error(nodes: Floats, exact: Profile, window: Window | None = None) -> float:
     """Relative error in L2 of the continuous piecewise linear function on `nodes` (m,) that is nearest to `exact`.
 
@@ -54,11 +51,8 @@ def best_error(nodes: Floats, exact: Profile, window: Window | None = None) -> f
     x = x[touching]
     if len(x) < 2:
         return np.nan
-    # Gauss points, two between neighbours of all break points: exact for products of both functions
     breaks = np.unique(np.concatenate([x, exact.x, [low, high]]))
-    breaks = breaks[(breaks >= low) & (breaks <= high)]
-    lengths, middles = np.diff(breaks), 0.5 * (breaks[1:] + breaks[:-1])
-    at, weights = np.concatenate([middles - _GAUSS * lengths, middles + _GAUSS * lengths]), np.tile(0.5 * lengths, 2)
+    at, weights = quadrature(breaks[(breaks >= low) & (breaks <= high)])
     wanted = exact(at)
     inside = (at >= x[0]) & (at <= x[-1])
     segment = np.clip(np.searchsorted(x, at[inside], side="right") - 1, 0, len(x) - 2)

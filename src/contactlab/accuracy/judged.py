@@ -177,6 +177,9 @@ class ForcesJudged:
         return float(np.linalg.norm(found - other)) / size
 
 
+Judged = PressuresJudged | ForcesJudged
+"""Compares results of runs: `value` of a run, `sharpened` to what no mesh follows, `mean` of several, `apart`."""
+
 NEAR = 1e-5
 """Distance of nodes, over the span of a curve, at which they are one."""
 

@@ -5,30 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
+from contactlab.accuracy.judged import Judged
 from contactlab.api.arrays import Floats
-
-
-class Judged(Protocol):
-    """Compares results of runs: pressures or forces."""
-
-    what: str
-
-    def value(self, pressures: Any, forces: Any) -> Any:
-        """Return what is compared of a run; empty if it has none."""
-
-    def sharpened(self, found: Any) -> Any:
-        """The same without what no mesh follows."""
-
-    def mean(self, all_of: Sequence[Any], weights: Floats) -> Any:
-        """Mean of several runs, with weights."""
-
-    def apart(self, found: Any, other: Any) -> float:
-        """Relative distance."""
-
 
 ORDERS = np.linspace(0.2, 1.5, 27)
 """Orders of convergence that are tried: edges of contact bound them at the one end, singular ones at the other."""
@@ -74,25 +56,19 @@ class Truth:
     alone: bool = False
 
 
-def left_at(values: Mapping[int, Any], judged: Judged) -> float:
-    """Relative error left at the finest of at least two levels, by least squares over the distances of all pairs.
+def left_at(values: Mapping[int, Any], judged: Judged) -> tuple[Floats, Floats]:
+    """Relative errors left at the finest of two levels or more for each order q tried, and weights of these orders.
 
     The error at level n is taken as C n^-q, in part along one direction that all levels share (what Richardson's rule
-    extrapolates) and in part along one of its own (where an edge of contact falls in its cell):
+    extrapolates) and in part along one of its own (where an edge of contact falls in its cell). Least squares over the
+    distances of all pairs of levels,
 
         d_ij^2 = a (x_i - x_j)^2 + b (x_i^2 + x_j^2),    x = n^-q,    a, b >= 0
 
-    which leaves x (a + b)^(1/2). The result is the mean over tried orders q, weighed by how well they fit; two levels
-    tell nothing of b and q.
+    leave x (a + b)^(1/2). Orders weigh by how well they fit; two levels tell nothing of b and q.
     """
-    left, weight = _fit(values, judged)
-    return float(weight @ left)
-
-
-def _fit(values: Mapping[int, Any], judged: Judged) -> tuple[Floats, Floats]:
-    """Errors left with each of the orders, and weights of these."""
     levels = sorted(values)
-    fine = [judged.sharpened(values[level]) for level in levels]
+    fine: list[Any] = [judged.sharpened(values[level]) for level in levels]
     i, j = np.triu_indices(len(levels), 1)
     squares = np.array([judged.apart(fine[m], fine[n]) for m, n in zip(i, j, strict=True)]) ** 2
     x = (np.array(levels) / levels[-1]) ** -ORDERS[:, None]
@@ -123,7 +99,7 @@ def ranked(ladders: Sequence[Ladder], judged: Judged, truth: Truth | None = None
 
     Two levels do not determine an order: they use the weights of orders of longer ladders.
     """
-    fits = {each.name: _fit(each.values, judged) for each in ladders if len(each.values) > 1}
+    fits = {each.name: left_at(each.values, judged) for each in ladders if len(each.values) > 1}
     longer = [fits[each.name][1] for each in ladders if len(each.values) > 2]
 
     def left(each: Ladder) -> float:
@@ -158,16 +134,17 @@ def truth_of(ladders: Sequence[Ladder], judged: Judged, climbers: int) -> Truth 
     best = beside(pairs, climbers)
     finest = max(ladder.finest for _, ladder in best)
     within = [pair for pair in best if pair[1].finest >= NEAR_FINEST * finest]
-    values = [judged.sharpened(ladder.values[ladder.finest]) for _, ladder in within]
+    values: list[Any] = [judged.sharpened(ladder.values[ladder.finest]) for _, ladder in within]
     own = np.array([max(left, 1e-12) for left, _ in within])
     weights = 1.0 / own / np.sum(1.0 / own)
-    mean = judged.mean(values, weights)
+    mean: Any = judged.mean(values, weights)
     spread = np.array([judged.apart(value, mean) for value in values])
     # the parallelogram law, which holds for whatever parts of their errors are the same in all
     shared = float(weights @ (own**2 - spread**2))
     uncertainty = max(math.sqrt(max(shared, 0.0)), spread.max()) if len(own) > 1 else ALONE * own[0]
     for left, ladder in best:
-        off = judged.apart(judged.sharpened(ladder.values[ladder.finest]), mean)
+        best_run: Any = judged.sharpened(ladder.values[ladder.finest])
+        off = judged.apart(best_run, mean)
         uncertainty = max(uncertainty, off - 2.0 * left)
     names = " and ".join(f"{ladder.name} at level {ladder.finest}" for _, ladder in within)
     return Truth(mean, float(uncertainty), names, finest, len(within) == 1)

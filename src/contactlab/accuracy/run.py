@@ -108,23 +108,17 @@ def line_plan(
     done: list[Point] = []
     for task in line.tasks:
         expected = expected_cost(done, task.level)
-        point = _not_worth(task, expected)
-        if point is None:
+        if math.isinf(expected):
+            point = named(task, "over-limit", f"a coarser level already took more than {task.limit:g} CPU s")
+        elif expected > task.limit:
+            point = named(task, "over-limit", f"would take about {expected:.2g} CPU s, the limit is {task.limit:g}")
+        else:
             unless = partial(budget.refusal, expected * (task.repeat if expected < task.short else 1))
             point = yield from point_plan(task, line.problem, registry, line.place(task, expected), unless)
         budget.spent += point.spent
         done.append(point)
         told(point)
     return done
-
-
-def _not_worth(task: Task, expected: float) -> Point | None:
-    """The point if coarser levels tell that its limit is not enough."""
-    if math.isinf(expected):
-        return named(task, "over-limit", f"a coarser level already took more than {task.limit:g} CPU s")
-    if expected > task.limit:
-        return named(task, "over-limit", f"would take about {expected:.2g} CPU s, the limit is {task.limit:g}")
-    return None
 
 
 def run_accuracy(

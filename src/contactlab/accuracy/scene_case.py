@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from contactlab.accuracy.configuration import exchangeable
+from contactlab.accuracy.configuration import Configuration, exchangeable
 from contactlab.api import Answer, Case, Job, Measure, Record, Setup, Solution
 from contactlab.api.case import error
 from contactlab.errors import RequestError
@@ -61,7 +61,9 @@ class SceneCase(Case):
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
         """The scene with the choices of the setup in all its contacts and bodies."""
-        return () if done else (Job("run", self.data, choices_of(self.data, setup)),)
+        sides = tuple(range(len(self.data["contacts"]))) if setup.swap else ()
+        own = Configuration(setup.algorithm, sides, setup.element).changes(self.data, setup.level)
+        return () if done else (Job("run", self.data, own | {"integrator": setup.integrator}),)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
         """The relative error of the pressure."""
@@ -81,14 +83,3 @@ class SceneCase(Case):
         (record,) = done.values()
         profile = Profile.of_curve(record.curve())
         return {PRESSURE: pressure_error(profile, self.against.profile, self.against.window)}
-
-
-def choices_of(data: Mapping[str, Any], setup: Setup) -> dict[str, Any]:
-    """The choices of a setup as changes of a scene (its TOML data), in all its bodies and contacts."""
-    changes: dict[str, Any] = {"integrator": setup.integrator, "level": setup.level}
-    if setup.element:
-        changes |= {f"bodies.{name}.element": setup.element for name in data["bodies"]}
-    for number, contact in enumerate(data["contacts"]):
-        changes[f"contacts.{number}.algorithm"] = setup.algorithm
-        changes[f"contacts.{number}.swap"] = bool(contact.get("swap")) != setup.swap
-    return changes

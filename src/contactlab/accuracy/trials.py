@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from contactlab.accuracy.configuration import Configuration
-from contactlab.accuracy.judged import ForcesJudged, Judge, PressuresJudged, forces_of, frames_of
+from contactlab.accuracy.judged import ForcesJudged, Judge, Judged, PressuresJudged, forces_of, frames_of
 from contactlab.accuracy.point import cost_of, spent_on
-from contactlab.accuracy.remaining import Judged, Ladder, Truth, truth_of
+from contactlab.accuracy.remaining import Ladder, Truth, truth_of
 from contactlab.api import Job, Record
 from contactlab.cases.run_case import scene_of
 from contactlab.errors import ContactlabError

@@ -127,6 +127,11 @@ def _points(profiles: tuple[Profile, ...], window: Window | None) -> tuple[Float
     if window is not None:
         inside = breaks[(breaks > window[0]) & (breaks < window[1])]
         breaks = np.concatenate([[window[0]], inside, [window[1]]])
+    return quadrature(breaks)
+
+
+def quadrature(breaks: Floats) -> tuple[Floats, Floats]:
+    """Points and weights, exact for products of two functions that are linear between these places."""
     lengths, middles = np.diff(breaks), 0.5 * (breaks[1:] + breaks[:-1])
     points = np.concatenate([middles - _GAUSS * lengths, middles + _GAUSS * lengths])
     return points, np.tile(0.5 * lengths, 2)
