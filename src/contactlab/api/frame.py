@@ -83,12 +83,12 @@ class ContactCurve:
 
     def plot(self, units: str = "", ax: Axes | None = None) -> Figure:
         """Draw pressure and shear along the slave; `units` is the label of a scene, `ax` matplotlib axes."""
-        figure: Figure = view("curves.curve_figure")(self, units, ax)
+        figure: Figure = view("notebook.curves.curve_figure")(self, units, ax)
         return figure
 
     def to_frame(self) -> pd.DataFrame:
         """Return a pandas frame with a row for each slave node."""
-        frame: pd.DataFrame = view("frames.curve_frame")(self)
+        frame: pd.DataFrame = view("notebook.frames.curve_frame")(self)
         return frame
 
 

@@ -94,7 +94,7 @@ class Explanation:
     price: Estimate | None
 
     def __repr__(self) -> str:
-        return str(view("texts.explanation_text")(self))
+        return str(view("notebook.texts.explanation_text")(self))
 
 
 def explain(

@@ -12,14 +12,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from matplotlib.ticker import FuncFormatter
 
 from contactlab.accuracy.lines import CLEAR, Line, better, front
 from contactlab.accuracy.run import Accuracy, Asked
 from contactlab.accuracy.solved import BEST, Solved
 from contactlab.api.drawing.colours import REFERENCE, styles
-from contactlab.reports.figures import FAINT, INK, MUTED, house_style, note, span_at_least
-from contactlab.reports.numbers import percent, significant
+from contactlab.reports.figures import FAINT, INK, MUTED, house_style, log_axes, note
 
 _DASHES: Any = ("-", (0, (4, 2)), (0, (1, 1.5)), (0, (5, 1, 1, 1)), (0, (8, 2, 1, 2)), (0, (3, 1)))
 _MARKERS = ("o", "s", "D", "^", "v", "P")
@@ -29,7 +28,6 @@ _BESIDE, _WIDE_ENTRY = 3, 3.0  # entries with numbers in a row, and inches that 
 _UNCLEAR: Any = {"facecolor": "none", "edgecolor": REFERENCE, "alpha": 0.35, "hatch": "////", "linewidth": 0.0}
 _STRIP = 0.05  # of the height that points take, for the marks of an algorithm's lost runs
 STOPPED = ("timed-out", "over-limit")
-_LEAST_RANGE = 5.0  # of an axis, largest over least: points that are closer than that look it
 
 
 @dataclass(frozen=True)
@@ -110,7 +108,8 @@ def _panel(axes: Axes, asked: Asked, lines: Sequence[Line], chosen: dict[str, Lo
                 color=look.colour, fontweight="bold" if point in best else "normal", zorder=3,
             )  # fmt: skip
     _lost(axes, lines, chosen, limit)
-    _scales(axes)
+    log_axes(axes)
+    axes.tick_params(labelsize=8)
     if asked.uncertainty > 0.0:
         bottom, top = axes.get_ylim()
         if CLEAR * asked.uncertainty > bottom:
@@ -132,17 +131,6 @@ def _lost(axes: Axes, lines: Sequence[Line], chosen: dict[str, Look], limit: flo
         y = 1.0 - height * (colours.index(colour) + 0.5) / len(colours)
         marker = ">" if status in STOPPED else "x"
         axes.plot(cost, y, marker, color=colour, markersize=3.8, transform=axes.get_xaxis_transform(), zorder=3)
-
-
-def _scales(axes: Axes) -> None:
-    span_at_least(axes, _LEAST_RANGE)
-    for axis, text in ((axes.xaxis, significant), (axes.yaxis, percent)):
-        low, high = axes.get_xlim() if axis is axes.xaxis else axes.get_ylim()
-        subdivisions = (1.0,) if high / low > 60.0 else (1.0, 3.0) if high / low > 8.0 else (1.0, 2.0, 5.0)
-        axis.set_major_locator(LogLocator(subs=subdivisions, numticks=9))
-        axis.set_major_formatter(FuncFormatter(lambda value, _, text=text: text(value, 1)))
-        axis.set_minor_formatter(NullFormatter())
-    axes.tick_params(labelsize=8)
 
 
 def _legend(figure: Figure, names: Sequence[str], chosen: dict[str, Look], columns: int) -> None:

@@ -10,12 +10,11 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from contactlab.api.drawing.colours import REFERENCE, Style
-from contactlab.reports.figures import ALARM, INK, MUTED, house_style, note, span_at_least
-from contactlab.reports.notebook.canvas import figure_of
-from contactlab.reports.numbers import percent, significant
+from contactlab.reports.figures import ALARM, INK, MUTED, house_style, log_axes, note
+from contactlab.reports.notebook.canvas import canvas
+from contactlab.reports.numbers import percent
 from contactlab.reports.series import series_of, series_styles
 from contactlab.studies.table import Row, Table
 
@@ -23,7 +22,6 @@ _LINES: Any = ("-", (0, (4, 2)), (0, (1, 1.5)), (0, (5, 1, 1, 1)))
 
 _NAMED = 6  # runs without a point that are named above a plot
 
-_LEAST_RANGE = 5.0  # of an axis, largest over least
 _FAR_BELOW = 0.4  # of the lowest error drawn: where the reference's own error needs no room in the plot
 
 
@@ -32,12 +30,15 @@ def cost_figure(table: Table, ax: Axes | None = None) -> Figure:
     chosen = series_styles(table.rows)
     slaves = list(dict.fromkeys(row.slave for row in table.rows))
     with house_style():
-        figure = Figure(figsize=(8.6, 5.0), layout="constrained") if ax is None else figure_of(ax)
-        axes = figure.subplots() if ax is None else ax
+        figure, axes = canvas(ax, 5.0, 8.6)
         drawn = [row for row in table.rows if _drawable(row)]
         for line in _lines(drawn):
             _draw_line(axes, line, chosen[series_of(line[0], table.rows)], slaves.index(line[0].slave))
-        _scales(axes, drawn)
+        axes.set_xlabel("CPU time [s]")
+        axes.set_ylabel("pressure error, relative L2 [%]")
+        if drawn:
+            axes.margins(0.09, 0.12)
+            log_axes(axes)
         _draw_uncertainty(axes, table)
         _legend(axes, table, chosen, slaves)
         if drawn:
@@ -90,24 +91,6 @@ def _draw_line(axes: Axes, line: Sequence[Row], style: Style, slave: int) -> Non
             axes.annotate(
                 str(row.level), (x, y), (0, 7), textcoords="offset points", ha="center", color=MUTED, fontsize=8.5
             )
-
-
-def _scales(axes: Axes, rows: Sequence[Row]) -> None:
-    axes.set_xlabel("CPU time [s]")
-    axes.set_ylabel("pressure error, relative L2 [%]")
-    if not rows:
-        return
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    for axis, text in ((axes.xaxis, significant), (axes.yaxis, percent)):
-        values = [row["cpu_s" if axis is axes.xaxis else "pressure_error"] for row in rows]
-        # enough labels on an axis that spans little
-        decades = math.log10(max(values) / min(values)) if values else 1.0
-        axis.set_major_locator(LogLocator(subs=(1.0,) if decades > 2.5 else (1.0, 2.0, 5.0), numticks=12))
-        axis.set_major_formatter(FuncFormatter(lambda value, _, text=text: text(value, 1)))
-        axis.set_minor_formatter(NullFormatter())
-    axes.margins(0.09, 0.12)
-    span_at_least(axes, _LEAST_RANGE)
 
 
 def _draw_uncertainty(axes: Axes, table: Table) -> None:

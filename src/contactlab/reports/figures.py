@@ -14,6 +14,9 @@ from weakref import WeakKeyDictionary
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from contactlab.reports.numbers import percent, significant
 
 INK: Final = "#1c2128"
 MUTED: Final = "#636c76"
@@ -111,13 +114,22 @@ def inline_svg(figure: Figure, name: str, description: str) -> str:
     return svg.replace("<svg", f'<svg role="img" aria-label="{description}"', 1)
 
 
-def span_at_least(axes: Axes, factor: float) -> None:
-    """Widen logarithmic axes to this ratio of their ends: close points look close, and ticks get unlike labels."""
-    for limits, widen in ((axes.get_xlim(), axes.set_xlim), (axes.get_ylim(), axes.set_ylim)):
-        low, high = limits
-        if high < factor * low:
+_LEAST_RANGE = 5.0  # of an axis, largest over least: points that are closer than that look it
+
+
+def log_axes(axes: Axes) -> None:
+    """Make axes of cost and error logarithmic: they span a least range, and ticks have unlike labels, errors in %."""
+    axes.set(xscale="log", yscale="log")
+    for axis, widen, text in ((axes.xaxis, axes.set_xlim, significant), (axes.yaxis, axes.set_ylim, percent)):
+        low, high = axis.get_view_interval()
+        if high < _LEAST_RANGE * low:
             middle = math.sqrt(low * high)
-            widen(middle / math.sqrt(factor), middle * math.sqrt(factor))
+            low, high = middle / math.sqrt(_LEAST_RANGE), middle * math.sqrt(_LEAST_RANGE)
+            widen(low, high)
+        subdivisions = (1.0,) if high / low > 300.0 else (1.0, 3.0) if high / low > 30.0 else (1.0, 2.0, 5.0)
+        axis.set_major_locator(LogLocator(subs=subdivisions, numticks=9))
+        axis.set_major_formatter(FuncFormatter(lambda value, _, text=text: text(value, 1)))
+        axis.set_minor_formatter(NullFormatter())
 
 
 def note(axes: Axes, text: str, *, y: float = 0.5, colour: str = MUTED) -> None:

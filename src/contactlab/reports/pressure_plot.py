@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -18,7 +17,7 @@ from contactlab.api.drawing.colours import FIELD, REFERENCE, Style, styles
 from contactlab.api.drawing.units import Units
 from contactlab.reports.figures import ALARM, INK, MUTED, house_style, note
 from contactlab.reports.force_plot import label_of
-from contactlab.reports.notebook.canvas import figure_of, with_unit
+from contactlab.reports.notebook.canvas import Plot, figure_of, with_unit
 from contactlab.reports.numbers import percent, significant
 from contactlab.reports.series import series_of, series_styles
 from contactlab.results.shown_pressure import shown_pressure
@@ -44,11 +43,13 @@ def _columns_and_rows(rows: Sequence[Row]) -> tuple[list[str], list[str]]:
     return list(dict.fromkeys(row.algorithm for row in rows)), list(dict.fromkeys(_case(row, rows) for row in rows))
 
 
-def pressure_figure(table: Table) -> Figure:
+def pressure_figure(table: Table, ax: Axes | None = None) -> Figure:
     """A row of panels per slave (and per further choice), a column per algorithm, the same axes in all; else a map.
 
-    Panels of one algorithm alone follow each other in rows of `BESIDE`.
+    Panels of one algorithm alone follow each other in rows of `BESIDE`. All runs are in one plot in axes of the caller.
     """
+    if ax is not None:
+        return _in_one(table, ax)
     if is_map(table):
         return pressure_map(table)
     rows = table.main
@@ -58,7 +59,7 @@ def pressure_figure(table: Table) -> Figure:
     alone = len(algorithms) == 1 and len(cases) > BESIDE
     high, wide = (-(-len(cases) // BESIDE), BESIDE) if alone else (len(cases), len(algorithms))
     with house_style():
-        figure = Figure(figsize=(max(7.0, 3.7 * wide), 0.75 + 2.45 * high), layout="constrained")
+        figure = Plot(figsize=(max(7.0, 3.7 * wide), 0.75 + 2.45 * high), layout="constrained")
         grid = figure.subplots(high, wide, sharex=True, sharey=True, squeeze=False)
         places = grid.ravel()[: len(cases)].reshape(-1, 1) if alone else grid
         for axes in grid.ravel()[len(cases) :] if alone else ():
@@ -87,7 +88,7 @@ def pressure_figure(table: Table) -> Figure:
     return figure
 
 
-def pressures_in(table: Table, axes: Axes) -> Figure:
+def _in_one(table: Table, axes: Axes) -> Figure:
     """All runs and the reference in axes of the caller; returns their figure."""
     rows = table.main
     units, chosen = Units.of_label(table.scene.get("units")), series_styles(table.rows)
@@ -161,8 +162,7 @@ def _limits(axes: Axes, rows: Sequence[Row], reference: Reference | None) -> Non
         left, right = reference.pressed_range
         top = float(reference.profile.value.max()) * _HEADROOM
     elif profiles:
-        pressed = [p.x[p.value > _PRESSED * p.value.max()] for p in profiles if np.any(p.value > 0.0)]
-        left, right = (min(x[0] for x in pressed), max(x[-1] for x in pressed)) if pressed else (0.0, 1.0)
+        left, right = _pressed_range(profiles) or (0.0, 1.0)
         top = float(np.median([p.value.max() for p in profiles])) * _HEADROOM
     else:
         return
@@ -195,18 +195,22 @@ def pressure_map(table: Table) -> Figure:
     """Position to the right, runs downwards, pressure as colour; a run without a pressure says how it ended."""
     rows = table.main
     units = Units.of_label(table.scene.get("units"))
-    known: list[tuple[str, Profile | None, Row | None]] = [(_label(row, rows), row.profile, row) for row in rows]
+    known: list[tuple[str, Profile | None, Row | None]] = [(label_of(row, rows), row.profile, row) for row in rows]
     if table.reference is not None:
         known.append(("reference", table.reference.profile, None))
     profiles = [profile for _, profile, _ in known if profile is not None]
     with house_style():
-        figure = Figure(figsize=(9.5, 1.2 + 0.19 * len(known)), layout="constrained")
+        figure = Plot(figsize=(9.5, 1.2 + 0.19 * len(known)), layout="constrained")
         axes = figure.subplots()
         axes.grid(False)
         if not profiles:
             note(axes, "no run left a pressure")
             return figure
-        left, right, top = _range(profiles)
+        left, right = _pressed_range(profiles) or (float(profiles[0].x[0]), float(profiles[0].x[-1]))
+        left, right = left - 0.1 * (right - left), right + 0.1 * (right - left)
+        tops = [float(profile.value.max()) for profile in profiles]
+        usual = float(np.median(tops))
+        top = max(tops) if max(tops) <= FAR_ABOVE * usual else 1.15 * usual
         at = np.linspace(left, right, _POINTS)
         values = [np.full(_POINTS, np.nan) if profile is None else profile(at) for _, profile, _ in known]
         drawn = axes.imshow(
@@ -214,29 +218,16 @@ def pressure_map(table: Table) -> Figure:
             extent=(left, right, len(known) - 0.5, -0.5), interpolation="nearest",
         )  # fmt: skip
         axes.set_yticks(range(len(known)), [label for label, _, _ in known], fontsize=7.5)
-        for number, (_, profile, row) in enumerate(known):
-            if row is not None and (profile is None or not row.finished):
-                axes.text(right, number, f" {row.status}", va="center", ha="left", fontsize=7.0, color=ALARM)
+        for tick, (_, _, row) in zip(axes.get_yticklabels(), known, strict=True):
+            tick.set_color(INK if row is None or row.finished else ALARM)
         axes.set_xlabel(with_unit("deformed position x", units.length))
         above = any(profile.value.max() > top for profile in profiles)
-        bar = figure.colorbar(drawn, ax=axes, pad=0.09, extend="max" if above else "neither")
+        bar = figure.colorbar(drawn, ax=axes, pad=0.02, extend="max" if above else "neither")
         bar.set_label(with_unit("pressure", units.pressure), color=MUTED)
     return figure
 
 
-def _label(row: Row, rows: Sequence[Row]) -> str:
-    level = f", level {row.level}" if len({each.level for each in rows}) > 1 else ""
-    slave = f", {row.slave}" if len({each.slave for each in rows}) > 1 else ""
-    return f"{series_of(row, rows)}{slave}{level}"
-
-
-def _range(profiles: Sequence[Profile]) -> tuple[float, float, float]:
-    """Pressed range of x, and the largest pressure, or a bound for most runs if some peaks are far above it."""
-    pressed = [p.x[p.value > 0.01 * p.value.max()] for p in profiles if np.any(p.value > 0.0)]
-    if not pressed:
-        return float(profiles[0].x[0]), float(profiles[0].x[-1]), 1.0
-    left, right = min(x[0] for x in pressed), max(x[-1] for x in pressed)
-    tops: Any = [p.value.max() for p in profiles]
-    margin = 0.1 * (right - left)
-    usual, largest = float(np.median(tops)), float(max(tops))
-    return float(left - margin), float(right + margin), largest if largest <= FAR_ABOVE * usual else 1.15 * usual
+def _pressed_range(profiles: Sequence[Profile]) -> tuple[float, float] | None:
+    """Range of x in which any of them presses; None if nothing does."""
+    pressed = [p.x[p.value > _PRESSED * p.value.max()] for p in profiles if np.any(p.value > 0.0)]
+    return (float(min(x[0] for x in pressed)), float(max(x[-1] for x in pressed))) if pressed else None

@@ -194,10 +194,10 @@ class Results:
         return self.contact[contact].step_source if contact in self.contact else ()
 
     def __repr__(self) -> str:
-        return str(view("texts.results_text")(self))
+        return str(view("notebook.texts.results_text")(self))
 
     def _repr_html_(self) -> str:
-        return str(view("html.results_html")(self))
+        return str(view("notebook.html.results_html")(self))
 
     def plot(self, field: str = "von_mises", frame: int = -1, ax: Axes | None = None, flat: bool = False) -> Figure:
         """Draw the deformed bodies with supports and loads, coloured by a field, at a stored frame (the last one).
@@ -207,7 +207,7 @@ class Results:
         Nodal averages are shown, or with `flat` the mean of each cell. `ax`: matplotlib axes to draw into. Raises
         RequestError for another field or frame.
         """
-        figure: Figure = view("pictures.field_figure")(self, field, frame, ax, flat)
+        figure: Figure = view("notebook.pictures.field_figure")(self, field, frame, ax, flat)
         return figure
 
     def plot_force(self, on: str = "", component: str = "", ax: Axes | None = None) -> Figure:
@@ -216,12 +216,12 @@ class Results:
         on         a support, "clip.root", or a contact; default: the support that moves most
         component  of the force: "x", "y" or "magnitude"; default: along the motion
         """
-        figure: Figure = view("curves.force_figure")(self, on, component, ax)
+        figure: Figure = view("notebook.curves.force_figure")(self, on, component, ax)
         return figure
 
     def plot_pressure(self, contact: str = "", ax: Axes | None = None) -> Figure:
         """Draw pressure and shear along the slave at the last stored frame, of one contact or of all."""
-        figure: Figure = view("curves.pressure_figure")(self, contact, ax)
+        figure: Figure = view("notebook.curves.pressure_figure")(self, contact, ax)
         return figure
 
     def animate(
@@ -231,17 +231,17 @@ class Results:
 
         `animation.save("clip.gif")` writes a file (mp4 needs ffmpeg); `to_jshtml()` is for notebooks.
         """
-        animation: FuncAnimation = view("pictures.field_animation")(self, field, stride, ax, flat)
+        animation: FuncAnimation = view("notebook.pictures.field_animation")(self, field, stride, ax, flat)
         return animation
 
     def to_frame(self) -> pd.DataFrame:
         """Give `history` as a pandas frame, time as index; units are in `attrs["units"]`."""
-        frame: pd.DataFrame = view("frames.history_frame")(self)
+        frame: pd.DataFrame = view("notebook.frames.history_frame")(self)
         return frame
 
     def to_xarray(self) -> xr.Dataset:
         """Give all that is stored over time as an xarray data set with units: histories, contact curves, fields."""
-        data: xr.Dataset = view("frames.results_dataset")(self)
+        data: xr.Dataset = view("notebook.frames.results_dataset")(self)
         return data
 
     def mesh(self, frame: int = -1) -> pv.UnstructuredGrid:
@@ -250,12 +250,12 @@ class Results:
         Point data: displacement, velocity, contact_pressure, contact_shear, contact_state (NaN off the slaves).
         Cell data: stress, von_mises, principal_1 to principal_3, pressure, internal variables, body.
         """
-        grid: pv.UnstructuredGrid = view("grid.grid")(self, frame)
+        grid: pv.UnstructuredGrid = view("notebook.grid.grid")(self, frame)
         return grid
 
     def view(self) -> Any:
         """The timeline in the viewer: inline where a notebook can show it, else in a window of its own."""
-        return view("grid.show_timeline")(self)
+        return view("notebook.grid.show_timeline")(self)
 
     def __eq__(self, other: object) -> bool:
         """The same run to the last bit, wherever its files are."""

@@ -87,8 +87,8 @@ def simulate(
     """
     scene = load_scene(scene) if isinstance(scene, str | Path) else scene
     registry = registry or scene.registry
-    if progress is None and "ipykernel" in sys.modules and view("bar.in_notebook")():
-        progress = view("bar.notebook_bar")(scene.name)
+    if progress is None and "ipykernel" in sys.modules and view("notebook.bar.in_notebook")():
+        progress = view("notebook.bar.notebook_bar")(scene.name)
     folder = run_folder(out, resume)
     if resume and folder is not None:
         scene = as_begun(scene, folder)

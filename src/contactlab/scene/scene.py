@@ -84,14 +84,14 @@ class Scene:
         return write_toml(self.data)
 
     def __repr__(self) -> str:
-        return str(view("texts.scene_text")(self))
+        return str(view("notebook.texts.scene_text")(self))
 
     def _repr_html_(self) -> str:
-        return str(view("html.scene_html")(self))
+        return str(view("notebook.html.scene_html")(self))
 
     def plot(self, ax: Axes | None = None) -> Figure:
         """Draw the meshes before the run, with contact sides, supports and loads."""
-        figure: Figure = view("scene_picture.scene_figure")(self, ax)
+        figure: Figure = view("notebook.scene_picture.scene_figure")(self, ax)
         return figure
 
     def where(self, key: str) -> Location:

@@ -161,19 +161,19 @@ class Table:
     further: Sequence[Column] = ()
 
     def __repr__(self) -> str:
-        return str(view("texts.table_text")(self))
+        return str(view("notebook.texts.table_text")(self))
 
     def _repr_html_(self) -> str:
-        return str(view("html.table_html")(self))
+        return str(view("notebook.html.table_html")(self))
 
     def plot_cost(self, ax: Axes | None = None) -> Figure:
         """Draw error against CPU time."""
-        figure: Figure = view("html.cost_plot")(self, ax)
+        figure: Figure = view("cost_plot.cost_figure")(self, ax)
         return figure
 
     def plot_pressures(self, ax: Axes | None = None) -> Figure:
         """Draw the contact pressure of every run and the reference: a panel per run, or all in the axes `ax`."""
-        figure: Figure = view("html.pressure_plot")(self, ax)
+        figure: Figure = view("pressure_plot.pressure_figure")(self, ax)
         return figure
 
     def plot_force(self, on: str = "", component: str = "", ax: Axes | None = None) -> Figure:
@@ -182,17 +182,17 @@ class Table:
         on         a support or contact; default: the support that moves most
         component  of the force: "x", "y" or "magnitude"; default: along the motion
         """
-        figure: Figure = view("html.force_plot")(self, on, component, ax)
+        figure: Figure = view("force_plot.force_figure")(self, on, component, ax)
         return figure
 
     def to_frame(self) -> pd.DataFrame:
         """Give a pandas frame with a row for each run."""
-        frame: pd.DataFrame = view("frames.table_frame")(self)
+        frame: pd.DataFrame = view("notebook.frames.table_frame")(self)
         return frame
 
     def to_latex(self) -> str:
         """Give the table as a LaTeX `tabular`, as in `table.tex`."""
-        return str(view("texts.table_latex")(self))
+        return str(view("table.table_tex")(self))
 
     def __iter__(self) -> Iterator[Row]:
         return iter(self.rows)

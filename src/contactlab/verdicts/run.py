@@ -30,14 +30,14 @@ class Matrix:
         return sorted(self.cells, key=lambda pair: WORST.index(pair[1].verdict))
 
     def __repr__(self) -> str:
-        return str(view("texts.matrix_text")(self))
+        return str(view("notebook.texts.matrix_text")(self))
 
     def _repr_html_(self) -> str:
-        return str(view("html.matrix_html")(self))
+        return str(view("notebook.html.matrix_html")(self))
 
     def to_frame(self) -> Any:
         """A pandas frame with a row for each measure."""
-        return view("frames.matrix_frame")(self)
+        return view("notebook.frames.matrix_frame")(self)
 
 
 def run_matrix(request: Request, registry: Registry, driver: Driver) -> Matrix:

@@ -11,7 +11,7 @@ from typing import Any
 
 
 def view(name: str) -> Callable[..., Any]:
-    """A function of `contactlab.reports.notebook` by "module.function"."""
+    """A function of `contactlab.reports` by "module.function"."""
     module, _, function = name.rpartition(".")
-    made: Callable[..., Any] = getattr(import_module(f"contactlab.reports.notebook.{module}"), function)
+    made: Callable[..., Any] = getattr(import_module(f"contactlab.reports.{module}"), function)
     return made

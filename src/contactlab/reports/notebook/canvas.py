@@ -30,11 +30,11 @@ class Plot(Figure):
         return buffer.getvalue()
 
 
-def canvas(ax: Axes | None, height: float) -> tuple[Figure, Axes]:
-    """The axes of the caller with their figure, or new ones so many inches high."""
+def canvas(ax: Axes | None, height: float, width: float = WIDTH) -> tuple[Figure, Axes]:
+    """The axes of the caller with their figure, or new ones so many inches high and wide."""
     if ax is not None:
         return figure_of(ax), ax
-    figure = Plot(figsize=(WIDTH, height), layout="constrained")
+    figure = Plot(figsize=(width, height), layout="constrained")
     return figure, figure.subplots()
 
 

@@ -7,17 +7,12 @@ from collections.abc import Callable, Mapping
 from html import escape
 from typing import Any
 
-from matplotlib.figure import Figure
-
-from contactlab.reports.cost_plot import cost_figure
-from contactlab.reports.force_plot import force_figure
 from contactlab.reports.matrix_table import matrix_sheet
-from contactlab.reports.notebook.canvas import Plot
 from contactlab.reports.notebook.curves import curve_figure
 from contactlab.reports.notebook.pictures import field_figure
 from contactlab.reports.notebook.scene_picture import scene_figure
 from contactlab.reports.notebook.texts import results_facts, scene_facts
-from contactlab.reports.pressure_plot import pressure_figure, pressures_in
+from contactlab.reports.pressure_plot import pressure_figure
 from contactlab.reports.sheet import facts
 from contactlab.reports.table import runs_sheet
 from contactlab.results.results import Results
@@ -66,28 +61,6 @@ def table_html(table: Table) -> str:
     return _block(escape(table.study.name), runs_sheet(table, SHOWN).html(), drawn)
 
 
-def cost_plot(table: Table, ax: Any = None) -> Any:
-    """Pressure error against CPU time."""
-    return shown(cost_figure(table, ax))
-
-
-def pressure_plot(table: Table, ax: Any = None) -> Any:
-    """The contact pressure of every run and the reference."""
-    return shown(pressure_figure(table) if ax is None else pressures_in(table, ax))
-
-
-def force_plot(table: Table, on: str, component: str, ax: Any = None) -> Any:
-    """Force against displacement of every run."""
-    return shown(force_figure(table, on, component, ax))
-
-
-def shown(figure: Any) -> Any:
-    """The same figure as one that shows itself in a notebook; the caller's own stays what it is."""
-    if type(figure) is Figure and figure.canvas.manager is None:
-        figure.__class__ = Plot
-    return figure
-
-
 def matrix_html(matrix: Matrix) -> str:
     """A line per case and variant, a column per algorithm; the verdict, and its reason when it is pointed at."""
     return _block(f"Matrix of {len(matrix.cells)} cells", matrix_sheet(matrix).html())
@@ -98,7 +71,7 @@ def _picture(draw: Callable[[], Any]) -> str:
     from contactlab.errors import ContactlabError
 
     try:
-        data = base64.b64encode(shown(draw())._repr_png_()).decode()
+        data = base64.b64encode(draw()._repr_png_()).decode()
     except ContactlabError as error:
         return f"<p><i>no picture: {escape(str(error))}</i></p>"
     return f'<img style="max-width:100%" alt="figure" src="data:image/png;base64,{data}">'

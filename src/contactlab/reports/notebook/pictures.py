@@ -19,14 +19,13 @@ from contactlab.api.arrays import Floats, Ints
 from contactlab.api.drawing.colours import FIELD
 from contactlab.api.drawing.units import Units
 from contactlab.errors import ContactlabError
-from contactlab.reports.body_plot import outline
 from contactlab.reports.figures import FAINT, INK, MUTED, house_style
 from contactlab.reports.notebook.canvas import WIDTH, Plot, canvas, figure_of, label_places
 from contactlab.reports.notebook.conditions import draw_conditions, scene_of
 from contactlab.reports.notebook.fields import Moment, moment_of, nodal_values_of, title_of, values_of
 from contactlab.results.nodal import corners_of
 from contactlab.results.results import Results
-from contactlab.studies.shape import Shape
+from contactlab.studies.shape import outline
 
 COLOURS = LinearSegmentedColormap.from_list("field", FIELD)
 LETTERS = 8.5  # bold letters of a title on an inch of a figure, of which labels and the colour bar take their part
@@ -214,7 +213,7 @@ def draw_field(axes: Axes, results: Results, moment: Moment, values: Mapping[str
             mesh = Triangulation(x, y, triangles_of(cells))
             smooth = np.nan_to_num(values[name])  # nodes of other bodies, which no triangle has
             found.append(axes.tripcolor(mesh, smooth, shading="gouraud", cmap=COLOURS, rasterized=True))
-        axes.add_collection(LineCollection(list(outline(Shape(corners, np.zeros(0)))), colors=INK, linewidths=1.0))
+        axes.add_collection(LineCollection(list(outline(corners)), colors=INK, linewidths=1.0))
     for artist in found:
         artist.set_clim(*limits)
     for lines in _rigid_lines(results, moment):
@@ -254,9 +253,9 @@ def _conditions_of(results: Results) -> Callable[[Axes, Floats], None]:
     return lambda axes, position: draw_conditions(axes, scene, bodies, position)
 
 
-def colour_bar(figure: Figure, axes: Any, shown: Any, title: str) -> None:
-    """Draw the colour bar of `shown` next to the axes."""
+def colour_bar(figure: Figure, axes: Any, shown: Any, title: str, extend: str = "neither") -> None:
+    """Draw the colour bar of `shown` next to the axes; it may `extend` to values beyond its ends."""
     figure = figure if not isinstance(axes, Axes) else figure_of(axes)
-    bar = figure.colorbar(shown, ax=axes, shrink=0.85, pad=0.02)
+    bar = figure.colorbar(shown, ax=axes, shrink=0.85, pad=0.02, extend=extend)
     bar.set_label(title, color=MUTED)
     bar.outline.set_edgecolor(FAINT)

@@ -11,14 +11,13 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 
 from contactlab.api.drawing.colours import STYLES
-from contactlab.reports.body_plot import outline
 from contactlab.reports.figures import INK, MUTED, house_style
 from contactlab.reports.notebook.canvas import label_places
 from contactlab.reports.notebook.conditions import draw_conditions
 from contactlab.reports.notebook.pictures import frame_of
 from contactlab.results.nodal import corners_of
 from contactlab.scene.scene import Scene
-from contactlab.studies.shape import Shape
+from contactlab.studies.shape import outline
 
 BODIES = ("#dfe6ee", "#efe5d8", "#e2ecdf", "#ece0ea", "#f0e9c9", "#d9ebec")
 """Pale colours of bodies."""
@@ -43,7 +42,7 @@ def scene_figure(scene: Scene, ax: Axes | None = None) -> Figure:
             corners = body.mesh.nodes[corners_of(body.mesh.cells)]
             colour = BODIES[number % len(BODIES)]
             axes.add_collection(PolyCollection(list(corners), facecolor=colour, edgecolor="#b9c0c8", linewidths=0.4))
-            axes.add_collection(LineCollection(list(outline(Shape(corners, np.zeros(0)))), colors=INK, linewidths=1.0))
+            axes.add_collection(LineCollection(list(outline(corners)), colors=INK, linewidths=1.0))
             middle = corners.reshape(-1, 2)
             x, y = (0.5 * (middle.min(axis=0) + middle.max(axis=0))).tolist()
             axes.text(x, y, body.name, ha="center", va="center")

@@ -93,13 +93,6 @@ def table_text(table: Table) -> str:
     return sheet.text(MOST)
 
 
-def table_latex(table: Table) -> str:
-    """The table as `table.tex` has it."""
-    from contactlab.reports.table import table_tex
-
-    return table_tex(table)
-
-
 def matrix_text(matrix: Matrix) -> str:
     """Number of cells by verdict, and the worst cells."""
     from contactlab.cases.verdict import WORST
