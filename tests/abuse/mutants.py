@@ -34,7 +34,7 @@ CORE = "contactlab.implicit."
 BOUND = """
 from dataclasses import dataclass
 from {module} import {name} as Shipped
-from contactlab.implicit.motion import bound
+from contactlab.implicit.motion import SolvedMotion
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class {name}(Shipped):
     __doc__ = Shipped.__doc__
 
     def bind(self, equations, state):
-        return bound(self, equations, state)
+        return SolvedMotion(self, equations, state).advance
 """
 
 
@@ -60,7 +60,7 @@ def planted(mutation: Mutation, number: int, folder: Path) -> Subject:
     shipped = default_registry().part_class(mutation.kind, mutation.part)
     mutated, target = module_of(mutation), shipped.__module__
     sources = _sources(mutated.rpartition(".")[0])
-    if mutated.startswith(CORE):  # the part is bound by a copy of the core's own `bound`
+    if mutated.startswith(CORE):  # the part is bound by a copy of the core's own `SolvedMotion`
         target = f"{CORE}bound"
         sources[target] = BOUND.format(module=shipped.__module__, name=shipped.__name__)
     changed = sources[mutated].replace(mutation.old, mutation.new, 1)

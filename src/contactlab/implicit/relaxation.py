@@ -21,7 +21,7 @@ from contactlab.implicit.iteration import Outcome, take_back
 from contactlab.implicit.trial import force_scale
 
 if TYPE_CHECKING:
-    from contactlab.implicit.load_step import LoadStep
+    from contactlab.implicit.motion import LoadStep
 
 NUMERICAL = WORK.index("numerical")
 SUBSTEPS = 80  # of a load step: convergent steps need 10 to 30
