@@ -66,10 +66,6 @@ class TimedOutError(RuntimeError):
         self.limit, self.result = limit, result
 
 
-def unheard(message: Any) -> None:
-    """Ignore a report."""
-
-
 @dataclass(frozen=True)
 class Call:
     """function(*arguments, report) in another process.
@@ -81,7 +77,7 @@ class Call:
 
     function: Callable[..., Any]
     arguments: tuple[Any, ...] = ()
-    report: Report = unheard
+    report: Report = lambda message: None
     limit: float | None = None
     folder: Path | None = None
 

@@ -57,10 +57,11 @@ def to_bytes(record: Record) -> bytes:
     """A record as bytes that `from_bytes` reads."""
     text = json.dumps(
         {
-            "status": record.status, "reason": record.reason, "summary": _plain(record.summary),
+            "status": record.status, "reason": record.reason, "summary": record.summary,
             "events": list(record.events), "curves": {name: len(c) for name, c in record.curves.items()},
             "memory": {name: list(curves[-1].memory) for name, curves in record.curves.items() if curves},
-        }
+        },
+        default=lambda value: dict(value) if isinstance(value, Mapping) else value.tolist(),
     )  # fmt: skip
     arrays = {"record": np.frombuffer(text.encode(), np.uint8), **dict(_flat(record))}
     file = io.BytesIO()
@@ -109,14 +110,3 @@ def from_bytes(data: bytes) -> Record:
         watched=watched,
         **fields,
     )  # fmt: skip
-
-
-def _plain(value: Any) -> Any:
-    """Tables and lists of plain numbers, as JSON has them."""
-    if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple | np.ndarray):
-        return [_plain(item) for item in value]
-    if isinstance(value, np.generic):
-        return _plain(value.item())
-    return value

@@ -45,3 +45,8 @@ def finite(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [finite(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def number(value: Any) -> float:
+    """A number of a file in JSON; null is NaN."""
+    return math.nan if value is None else float(value)

@@ -6,7 +6,7 @@ import numpy as np
 
 from contactlab.api import RunWarning
 from contactlab.missing_effects.missing_effect import Detectors, needed, per_cent
-from contactlab.model.bodies.body import Body, BodyForces
+from contactlab.model.bodies.body import BodyForces
 from contactlab.model.model import Model
 
 EVEN = 1e-3  # of the plastic strain: cells whose points flow alike are strained evenly, which any element follows
@@ -42,18 +42,11 @@ class PlasticFlow:
         strain = float(self.worst[0])
         if strain <= FLOW:
             return None
-        seen = f"the plastic strain, which keeps the volume, reaches {per_cent(strain)}"
-        return _locks(self.forces.body, strain, FLOW, seen)
-
-
-def _locks(body: Body, value: float, limit: float, seen: str) -> RunWarning:
-    key = f"bodies.{body.name}.element"
-    other = body.element.beyond.get("freedom from locking")
-    return needed(
-        "locking",
-        value,
-        limit,
-        key,
-        f"body {body.name}: {seen}, and its element locks if the volume hardly changes",
-        f'write {key} = "{other}"' if other else f"use an element that does not lock at {key}",
-    )
+        body = self.forces.body
+        key, other = f"bodies.{body.name}.element", body.element.beyond.get("freedom from locking")
+        return needed(
+            "locking", strain, FLOW, key,
+            f"body {body.name}: the plastic strain, which keeps the volume, reaches {per_cent(strain)}, and its "
+            "element locks if the volume hardly changes",
+            f'write {key} = "{other}"' if other else f"use an element that does not lock at {key}",
+        )  # fmt: skip

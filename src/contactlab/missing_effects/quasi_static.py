@@ -64,25 +64,15 @@ class KineticEnergy:
             return None
         share = kinetic / max(internal, 1e-300)
         if share > UNRESISTED:
-            return needed(
-                "slower-loading",
-                share,
-                SHARE,
-                _slow_key(self.model),
-                "nothing resists the motion of a run that is meant to be quasi-static: kinetic energy reaches "
-                f"{per_cent(share)} of the internal energy ({per_cent(SHARE)} at most)",
-                "hold the moving bodies by supports or contacts, or slow down: " + _slowly(self.model, 10.0),
+            seen = (
+                f"nothing resists the motion: kinetic energy reaches {per_cent(share)} of the internal energy in a run"
             )
-        slower = math.ceil(10.0 * math.sqrt(share / SHARE)) / 10.0
-        return needed(
-            "slower-loading",
-            share,
-            SHARE,
-            _slow_key(self.model),
-            f"kinetic energy reaches {per_cent(share)} of the internal energy in a run that is meant to be "
-            f"quasi-static ({per_cent(SHARE)} at most)",
-            _slowly(self.model, slower),
-        )
+            mend = "hold the moving bodies by supports or contacts, or slow down: " + _slowly(self.model, 10.0)
+        else:
+            seen = f"kinetic energy reaches {per_cent(share)} of the internal energy in a run"
+            mend = _slowly(self.model, math.ceil(10.0 * math.sqrt(share / SHARE)) / 10.0)
+        seen += f" that is meant to be quasi-static ({per_cent(SHARE)} at most)"
+        return needed("slower-loading", share, SHARE, _slow_key(self.model), seen, mend)
 
 
 class Balance:

@@ -143,7 +143,8 @@ def _points(lines: Sequence[Line], chosen: Mapping[str, Look], pages: Mapping[Pl
             **_labels(line), "level": p.level, "x": p.cost if ended else line.lost_at(p, limit),
             "y": 100.0 * max(p.error if ended else above[line.case], 1e-14), "colour": look.colour,
             "marker": _MARKERS[look.marker] if ended else "triangle_pin" if p.status in STOPPED else "x",
-            "fill": 0.9 if line.slave == "declared" else 0.0, "counts": _counts(p),
+            "fill": 0.9 if line.slave == "declared" else 0.0,
+            "counts": ", ".join(f"{value:.0f} {name}" for name, value in p.counts.items() if value),
             "error": f"{100.0 * p.error:.3g} %{_best(p)}" if ended else f"{p.status}: {p.reason}",
             "page": pages.get((line.case, line.contender, line.slave, p.level), ""),
         }
@@ -159,10 +160,6 @@ def _labels(line: Line) -> dict[str, Any]:
         "case": line.case, "contender": line.contender, "slave": line.slave,
         "algorithm": algorithm, "element": element, "way": way,
     }  # fmt: skip
-
-
-def _counts(point: Point) -> str:
-    return ", ".join(f"{value:.0f} {name}" for name, value in point.counts.items() if value)
 
 
 def _best(point: Point) -> str:

@@ -29,12 +29,14 @@ DECLARED, ADDED = "#0072B2", "#D55E00"
 
 def breakdown_figure(breakdown: CostBreakdown) -> Figure:
     """A point for each effect: to the right it costs more, further up the answer needs it more."""
-    drawn = [cost for cost in breakdown.effects if _drawable(cost, breakdown)]
+    drawn = [c for c in breakdown.effects if not math.isnan(c.error + c.run_s) and breakdown.run_s > 0.0]
     with house_style():
         figure = Figure(figsize=(8.6, 5.2), layout="constrained")
         axes = figure.subplots()
         for cost in drawn:
-            _draw(axes, cost, breakdown)
+            colour = DECLARED if cost.declared else ADDED
+            face = colour if cost.declared else "none"
+            axes.plot(*_place(cost, breakdown), marker="o", markersize=9, color=colour, markerfacecolor=face, zorder=3)
         _scales(axes, drawn, breakdown)
         _regions(axes)
         _label(axes, drawn, breakdown)
@@ -48,19 +50,8 @@ def breakdown_figure(breakdown: CostBreakdown) -> Figure:
     return figure
 
 
-def _drawable(cost: EffectCost, breakdown: CostBreakdown) -> bool:
-    return not math.isnan(cost.error) and not math.isnan(cost.run_s) and breakdown.run_s > 0.0
-
-
 def _place(cost: EffectCost, breakdown: CostBreakdown) -> tuple[float, float]:
     return 100.0 * cost.run_s / breakdown.run_s, 100.0 * max(cost.error, FLOOR)
-
-
-def _draw(axes: Axes, cost: EffectCost, breakdown: CostBreakdown) -> None:
-    x, y = _place(cost, breakdown)
-    colour = DECLARED if cost.declared else ADDED
-    face = colour if cost.declared else "none"
-    axes.plot(x, y, marker="o", markersize=9, color=colour, markerfacecolor=face, zorder=3)
 
 
 _BESIDE: Any = (((9, 4), "left"), ((-9, 4), "right"), ((9, -13), "left"), ((-9, -13), "right"))

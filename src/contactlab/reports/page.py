@@ -62,6 +62,9 @@ def page(table: Table, figures: dict[str, Figure]) -> str:
     chosen = styles(row.algorithm for row in table.rows)
     pressure = _PRESSURE if table.reference is None else _PRESSURE + _PRESSURE_REFERENCE
     notes = dict.fromkeys(note for row in table.rows for note in row.notes)
+    meanings = {column.title: column.meaning for column in table.measures}
+    row = shown_row(table)
+    bodies = "" if row is None else f"{row.algorithm}, slave {row.slave}, level {row.level}; one colour per cell."
     sections = [
         _head(table),
         _cards(table, chosen),
@@ -69,13 +72,13 @@ def page(table: Table, figures: dict[str, Figure]) -> str:
         section("All runs", _runs(table) + "".join(f'<p class="note">{escape(note)}</p>\n' for note in notes)),
         figure_section(figures, "force", "Force against displacement", _FORCE, narrow=True),
         figure_section(figures, "error-against-cost", "What accuracy costs", _COST, narrow=True),
-        figure_section(figures, "bodies", "The deformed bodies", _bodies_caption(table), narrow=True),
+        figure_section(figures, "bodies", "The deformed bodies", bodies, narrow=True),
         _agreement(table),
         _times(table),
         _reference(table.reference, table),
         scene_section(table),
         machine_section(table),
-        _glossary(table),
+        section("What the columns mean", f"<details><summary>All columns</summary>{facts_list(meanings)}</details>"),
     ]
     return document(heading(table), sections)
 
@@ -167,11 +170,6 @@ def _agreement(table: Table) -> str:
     return section("Do the algorithms agree?", text + sheet.html())
 
 
-def _bodies_caption(table: Table) -> str:
-    row = shown_row(table)
-    return "" if row is None else f"{row.algorithm}, slave {row.slave}, level {row.level}; one colour per cell."
-
-
 def _reference(reference: Reference | None, table: Table) -> str:
     if reference is None:
         why = next((note for row in table.rows for note in row.notes), "no run left a pressure")
@@ -189,8 +187,3 @@ def _reference(reference: Reference | None, table: Table) -> str:
         low, high = reference.window
         facts["compared over"] = f"{low:g} < x < {high:g}"
     return section("Reference", facts_list(facts))
-
-
-def _glossary(table: Table) -> str:
-    facts = {column.title: column.meaning for column in table.measures}
-    return section("What the columns mean", f"<details><summary>All columns</summary>{facts_list(facts)}</details>")

@@ -11,6 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from contactlab.api.drawing.units import Units
+from contactlab.jobs.rows import number
 from contactlab.reports.numbers import significant
 from contactlab.reports.sheet import STYLES
 from contactlab.reports.terminal import Terminal
@@ -93,8 +94,8 @@ def integrator(chosen: Mapping[str, Any]) -> str:
 
 
 def _named(name: str, texts: Sequence[str]) -> Iterator[tuple[str, str]]:
-    for number, text in enumerate(texts):
-        yield name if number == 0 else "", text
+    for place, text in enumerate(texts):
+        yield name if place == 0 else "", text
 
 
 def _pressures(results: Results, units: Units) -> list[str]:
@@ -158,8 +159,3 @@ def vector(force: Sequence[float], between: str = "  ", digits: int = 5) -> str:
     values = [float(component) for component in force]
     largest = max(map(abs, values), default=0.0)
     return between.join(significant(v if abs(v) > 1e-7 * largest else 0.0, digits) for v in values)
-
-
-def number(value: Any) -> float:
-    """A number of a summary; null is NaN."""
-    return float("nan") if value is None else float(value)

@@ -11,8 +11,9 @@ from rich.text import Text
 
 from contactlab.api.drawing.units import Units
 from contactlab.api.thinning import Thinning
+from contactlab.jobs.rows import number
 from contactlab.reports.numbers import percent, significant
-from contactlab.reports.run import moment, number, vector
+from contactlab.reports.run import moment, vector
 from contactlab.reports.sheet import Cell, Column, Sheet
 from contactlab.reports.sheet import Line as Row
 from contactlab.results.force_curve import THE_END_ONLY

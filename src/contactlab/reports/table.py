@@ -143,14 +143,9 @@ def render(table: Table) -> RenderableType:
     there = known(table, names, table.rows)
     titles = {column.name: column.title for column in table.measures if column not in there}
     empty = [titles[name] for name in names if name in titles]
-    return Group(*_nothing_finished(table), runs_sheet(table, names), *_notes(table, empty))
-
-
-def _nothing_finished(table: Table) -> list[Text]:
-    """The first thing to know if it is so: there is nothing to compare."""
-    if any(row.complete for row in table.rows):
-        return []
-    return [Text(f"none of {len(table)} runs finished; see the reasons below the table", style="bold red")]
+    told = f"none of {len(table)} runs finished; see the reasons below the table"
+    first = [] if any(row.complete for row in table.rows) else [Text(told, style="bold red")]
+    return Group(*first, runs_sheet(table, names), *_notes(table, empty))
 
 
 def failed_alike(table: Table) -> list[list[Row]]:

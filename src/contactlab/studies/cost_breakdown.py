@@ -146,8 +146,8 @@ def _cost(variant: Variant, plan: BreakdownPlan, base: Record, other: Record, jo
     reactions = {on: np.asarray(force) for on, force in rich.summary.get("reactions", {}).items()}
     where = driven_support(scene.data, reactions) or ("contacts.0" if scene.contacts else "")
     reaction = _change_of(rich, poor, tuple(f"{where}.{component}" for component in ("fx", "fy")) if where else ())
-    changes = reaction, _pressure(rich, poor)
-    return EffectCost(*named, step, run, memory, *changes, _energy(rich, poor), other.status, other.reason)
+    changes = reaction, _pressure(rich, poor), _change_of(rich, poor, ("energy.internal",))
+    return EffectCost(*named, step, run, memory, *changes, other.status, other.reason)
 
 
 def _implicit(record: Record) -> bool:
@@ -155,10 +155,6 @@ def _implicit(record: Record) -> bool:
 
 
 # --- changes of the answer ----------------------------------------------------------------------
-
-
-def _energy(rich: Record, poor: Record) -> float:
-    return _change_of(rich, poor, ("energy.internal",))
 
 
 def _change_of(rich: Record, poor: Record, columns: Sequence[str]) -> float:

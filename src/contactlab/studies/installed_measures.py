@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from contactlab.api import Record, RunMeasure, Scalar, Solution
 from contactlab.errors import PartError, one_line
@@ -20,14 +19,13 @@ def column_name(part: str) -> str:
 
 def measure_columns(registry: Registry) -> tuple[Column, ...]:
     """Return a column per installed measure. Raises PartError if every table has a column of its name."""
-    return tuple(_column(name, registry.part_class("measure", name)) for name in registry.names("measure"))
-
-
-def _column(name: str, cls: Any) -> Column:
-    column = column_name(name)
-    if column in BY_NAME:
-        raise PartError("every comparison has a column of this name", where=f"measure {name}", got=column)
-    return Column(column, cls.title, cls.unit, cls.meaning, cls.digits, cls.better)
+    found = []
+    for name in registry.names("measure"):
+        part, column = registry.part_class("measure", name), column_name(name)
+        if column in BY_NAME:
+            raise PartError("every comparison has a column of this name", where=f"measure {name}", got=column)
+        found.append(Column(column, part.title, part.unit, part.meaning, part.digits, part.better))
+    return tuple(found)
 
 
 def known_measures(registry: Registry) -> Sequence[str]:

@@ -14,7 +14,7 @@ from contactlab.api.frame import ContactCurve
 from contactlab.api.warning import RunWarning
 from contactlab.arguments import NAME, arguments
 from contactlab.errors import RequestError, one_line
-from contactlab.jobs.rows import read_csv
+from contactlab.jobs.rows import number, read_csv
 from contactlab.results.load import load_results
 from contactlab.scene.toml_text import location, parse_toml
 from contactlab.studies.columns import BY_NAME, Column
@@ -57,7 +57,7 @@ def _table(data: Mapping[str, Any], folder: Path) -> Table:
     further = [Column(**column) for column in data.get("further", ())]
     return Table(
         rows, study, _reference(data.get("reference_curve")), parse_toml(text, "scene.toml") if text else {}, text,
-        _number(data.get("wall_s")), folder, _breakdown(data.get("bill")), False, further,
+        number(data.get("wall_s")), folder, _breakdown(data.get("bill")), False, further,
     )  # fmt: skip
 
 
@@ -72,7 +72,7 @@ def _row(data: Mapping[str, Any], contact: str, folder: Path) -> Row:
         varied={key: data[key] for key in kept["varied"]},
         status=data["status"],
         reason=data["reason"],
-        measures={name: _number(data[name]) for name in kept["measures"]},
+        measures={name: number(data[name]) for name in kept["measures"]},
         notes=kept["notes"],
         warnings=[RunWarning.from_data(warning) for warning in data["warnings"]],
         system={key: data[key] for key in kept["system"]},
@@ -82,7 +82,7 @@ def _row(data: Mapping[str, Any], contact: str, folder: Path) -> Row:
         curve=_curve(folder, contact),
         shapes=shapes_of(results) if results is not None and results.restartable else {},
         refines=data["refines"],
-        history={name: np.array([_number(row[name] or None) for row in rows]) for name in rows[0]} if rows else {},
+        history={name: np.array([number(row[name] or None) for row in rows]) for name in rows[0]} if rows else {},
         path=kept["path"],
         share=kept.get("share", 1.0),
     )
@@ -125,7 +125,3 @@ def _breakdown(data: Mapping[str, Any] | None) -> CostBreakdown | None:
         {k: math.nan if v is None else v for k, v in cost.items()} for cost in data["prices"]
     ]
     return CostBreakdown(**whole, effects=[EffectCost(**cost) for cost in prices])
-
-
-def _number(value: Any) -> float:
-    return math.nan if value is None else float(value)

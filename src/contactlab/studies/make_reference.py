@@ -15,7 +15,6 @@ be small by chance: an edge lies in a cell as it happens.)
 from __future__ import annotations
 
 import argparse
-import csv
 import json
 import sys
 from collections.abc import Generator, Mapping, Sequence
@@ -28,6 +27,7 @@ import numpy as np
 from contactlab.api import Floats, Record
 from contactlab.errors import ContactlabError, RequestError
 from contactlab.jobs.driver import Driver
+from contactlab.jobs.rows import write_csv
 from contactlab.results.results import ContactCurve
 from contactlab.studies.combination import combination_plan
 from contactlab.studies.gather import gather
@@ -82,7 +82,12 @@ def reference_files(
     """Write NAME.csv and NAME.json of a mean curve and its error; returns the path of the latter."""
     folder.mkdir(parents=True, exist_ok=True)
     curve, error = found
-    write_curve(curve, folder / f"{name}.csv")
+    columns = {
+        "x_deformed_mm": curve.x, "p_MPa": curve.pressure, "p_spread_MPa": curve.spread,
+        "p_refinement_MPa": curve.refinement,
+    }  # fmt: skip
+    rows = (dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True))
+    write_csv(folder / f"{name}.csv", list(columns), rows, _DIGITS)
     target = folder / f"{name}.json"
     description = _description(name, table, levels, error)
     description |= {"origin": origin} if origin else {}
@@ -179,15 +184,6 @@ def _grid(profiles: Sequence[Profile], segment: float) -> Floats:
             for p, own in zip(profiles, pressed, strict=True)]  # fmt: skip
     # as stored: two points that are alike there are one
     return np.unique([float(f"{x:.{_DIGITS}g}") for x in np.concatenate([even, *ends])])
-
-
-def write_curve(curve: Curve, path: Path) -> None:
-    """Write a mean pressure as CSV."""
-    columns = (curve.x, curve.pressure, curve.spread, curve.refinement)
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(("x_deformed_mm", "p_MPa", "p_spread_MPa", "p_refinement_MPa"))
-        writer.writerows([f"{value:.{_DIGITS}g}" for value in values] for values in zip(*columns, strict=True))
 
 
 # --- scalars and description -----------------------------------------------------------------------

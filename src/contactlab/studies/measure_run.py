@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from contactlab.api.arrays import Floats
+from contactlab.jobs.rows import number
 from contactlab.results.peaks import peak_force, peak_pressure
 from contactlab.results.results import ContactCurve
 from contactlab.studies import measures as m
@@ -68,18 +69,18 @@ def _forces(scene: Mapping[str, Any], summary: Mapping[str, Any], contact: int) 
     driven = driven_support(scene, reactions)
     force = peak_force(summary, driven or f"contacts.{contact}") or {}
     pressure = peak_pressure(summary, f"contacts.{contact}") or {}
-    depths = [_float(facts.get("max_penetration")) for facts in summary.get("contacts", {}).values()]
+    depths = [number(facts.get("max_penetration")) for facts in summary.get("contacts", {}).values()]
     deepest = max(depths, default=math.nan)
     return {
         "reaction": _length(reactions.get(driven)),
-        "peak_force": _float(force.get("value")),
-        "peak_force_time": _float(force.get("time")),
-        "reaction_mismatch": _float(summary.get("reaction_mismatch")),
+        "peak_force": number(force.get("value")),
+        "peak_force_time": number(force.get("time")),
+        "reaction_mismatch": number(summary.get("reaction_mismatch")),
         "reaction_against_pressure": reaction_against_pressure(scene, reactions, contact, integral),
         "sideways_force": _quotient(abs(resultant[0]), abs(resultant[1])),
-        "peak_pressure": _float(pressure.get("value")),
-        "peak_pressure_time": _float(pressure.get("time")),
-        "max_pressure": _float(facts.get("max_pressure")),
+        "peak_pressure": number(pressure.get("value")),
+        "peak_pressure_time": number(pressure.get("time")),
+        "max_pressure": number(facts.get("max_pressure")),
         "max_penetration": deepest,
     }
 
@@ -145,25 +146,21 @@ def _reaction_error(reaction: float, reference: Reference | None) -> float:
 
 def _costs(summary: Mapping[str, Any]) -> Measures:
     cost, balance = summary.get("cost", {}), summary.get("balance", {})
-    steps, sweeps = _float(summary.get("steps")), _float(summary.get("contact_sweeps"))
+    steps, sweeps = number(summary.get("steps")), number(summary.get("contact_sweeps"))
     solved_with_the_bodies = sweeps == 0.0 and summary.get("iterations")
     return {
         "steps": steps,
         "sweeps": math.nan if solved_with_the_bodies else _quotient(sweeps, steps),
         "cpu_s": without_compilation(cost, "run_cpu_s"),
         "wall_s": without_compilation(cost, "run_wall_s"),
-        "memory_mib": _float(cost.get("peak_memory_mib")),
-        "kinetic_share": _quotient(_float(balance.get("kinetic")), abs(_float(balance.get("internal")))),
+        "memory_mib": number(cost.get("peak_memory_mib")),
+        "kinetic_share": _quotient(number(balance.get("kinetic")), abs(number(balance.get("internal")))),
     }
 
 
 def without_compilation(cost: Mapping[str, Any], name: str) -> float:
     """Seconds without the compiling and loading of kernels: that is no property of an algorithm."""
-    return float(np.maximum(_float(cost.get(name)) - _float(cost.get("compile_s", 0.0)), 0.0))
-
-
-def _float(value: Any) -> float:
-    return math.nan if value is None else float(value)
+    return float(np.maximum(number(cost.get(name)) - number(cost.get("compile_s", 0.0)), 0.0))
 
 
 def _vector(value: Any) -> Floats:

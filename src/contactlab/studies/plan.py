@@ -87,9 +87,18 @@ def make_plan(
             )  # fmt: skip
     contact = _contact_number(scene, study.contact)
     if not study.vary:
-        study = replace(study, vary=_everything(scene, contact, registry))
+        study = replace(
+            study,
+            vary={
+                f"contacts.{contact}.algorithm": tuple(registry.names("contact")),
+                f"contacts.{contact}.swap": (False, True),
+            },
+        )
     study = replace(study, vary={key: values for key, values in study.vary.items() if key not in changes})
-    return Plan(study, scene, contact, _named(_jobs(study, scene, contact)))
+    jobs = _jobs(study, scene, contact)
+    width = len(str(len(jobs)))  # of the numbers before names: folders sort as the table does
+    jobs = [replace(job, name=f"{number:0{width}d}-{job.name}") for number, job in enumerate(jobs, start=1)]
+    return Plan(study, scene, contact, jobs)
 
 
 def find_scene(
@@ -129,13 +138,6 @@ def _contact_number(scene: Scene, key: str) -> int:
     if key not in names:
         raise RequestError("no such contact", where="contact", got=key, allowed=", ".join(names))
     return names[key]
-
-
-def _everything(scene: Scene, contact: int, registry: Registry) -> dict[str, tuple[Any, ...]]:
-    return {
-        f"contacts.{contact}.algorithm": tuple(registry.names("contact")),
-        f"contacts.{contact}.swap": (False, True),
-    }
 
 
 def _jobs(study: Study, scene: Scene, contact: int) -> list[Combination]:
@@ -193,9 +195,3 @@ def _slug(algorithm: str, slave: str, level: int, choices: Mapping[str, Any]) ->
     """A name for folders: what is always there, and as much as has room of what else varies."""
     varied = re.sub(r"[^A-Za-z0-9.=-]+", "-", varied_text(choices))[:LONGEST]
     return re.sub(r"[^A-Za-z0-9.=-]+", "-", f"{algorithm}-{slave}-level-{level}-{varied}").strip("-")
-
-
-def _named(jobs: list[Combination]) -> list[Combination]:
-    """The jobs with numbered names, so that folders sort as the table does."""
-    width = len(str(len(jobs)))
-    return [replace(job, name=f"{number:0{width}d}-{job.name}") for number, job in enumerate(jobs, start=1)]

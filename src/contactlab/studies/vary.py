@@ -138,31 +138,26 @@ def combinations(vary: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
 
 def without_star(varied: Mapping[str, Any], data: Mapping[str, Any]) -> dict[str, Any]:
     """The changes with a key for each body, contact or other entry in the place of `*`. Raises RequestError."""
-    found: dict[str, Any] = {}
-    for key, value in varied.items():
-        for full in _starred(key.split("."), data, key):
-            found[full] = value
-    return found
+    return {full: value for key, value in varied.items() for full in _starred(key, data)}
 
 
-def _starred(path: list[str], data: Any, key: str) -> list[str]:
-    if "*" not in path:
-        return [".".join(path)]
-    place = path.index("*")
-    for name in path[:place]:
-        data = _entry(data, name)
-    names = [str(n) for n in range(len(data))] if isinstance(data, list) else list(data or ())
-    if not names:
-        raise RequestError("nothing matches *", where=key, got=".".join(path[:place]) or "*",
+def _starred(key: str, data: Any) -> list[str]:
+    """A key for each entry in the place of each `*`."""
+    found: list[tuple[list[str], Any]] = [([], data)]
+    for name in key.split("."):
+        found = [
+            ([*path, each], _entry(inner, each))
+            for path, inner in found
+            for each in ([name] if name != "*" else _names(inner))
+        ]
+    if not found:
+        raise RequestError("nothing matches *", where=key, got=key.partition("*")[0].rstrip(".") or "*",
                            allowed="a table or list of the scene: bodies.*.element, contacts.*.algorithm")  # fmt: skip
-    return [
-        full for name in names for full in _starred_from(path, place, name, _entry(data, name), key)
-    ]  # fmt: skip
+    return [".".join(path) for path, _ in found]
 
 
-def _starred_from(path: list[str], place: int, name: str, inner: Any, key: str) -> list[str]:
-    head, tail = [*path[:place], name], path[place + 1 :]
-    return [".".join([*head, rest]) for rest in _starred(tail, inner, key)] if tail else [".".join(head)]
+def _names(data: Any) -> list[str]:
+    return [str(n) for n in range(len(data))] if isinstance(data, list) else list(data or ())
 
 
 def _entry(data: Any, name: str) -> Any:
