@@ -7,7 +7,7 @@ longer planned leave.
 from __future__ import annotations
 
 import math
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -37,16 +37,21 @@ def key_of(row: Mapping[str, Any]) -> Key:
     return tuple(str(row[name]) for name in CHOICES)
 
 
+def newest(cells: Iterable[Mapping[str, Any]], wanted: Container[Key]) -> Iterator[tuple[Key, Mapping[str, Any]]]:
+    """The first, that is the newest, cell of each wanted configuration that its case did not refuse."""
+    seen: set[Key] = set()
+    for cell in cells:
+        key = key_of(cell)
+        if key in wanted and key not in seen and cell["verdict"] != "not-applicable":
+            seen.add(key)
+            yield key, cell
+
+
 def rows_of(archive: Path, wanted: Container[Key]) -> list[Row]:
     """The newest cell of each wanted configuration in an archive, one row per measure."""
-    seen: set[Key] = set()
     found: list[Row] = []
     with Archive(archive, write=False) as kept:
-        for cell in kept.cells():
-            key = key_of(cell)
-            if key not in wanted or key in seen or cell["verdict"] == "not-applicable":
-                continue
-            seen.add(key)
+        for key, cell in newest(kept.cells(), wanted):
             head = dict(zip(CHOICES, key, strict=True))
             seconds = "" if cell["cpu_s"] is None else f"{cell['cpu_s']:.2f}"
             reason = cell["reason"].splitlines()[0] if cell["reason"] else ""

@@ -48,16 +48,13 @@ not judged (n) cells.
 
 def rows_of(archive: Path) -> list[Row]:
     """The newest cell of each configuration of the full matrix; an archive may hold more."""
-    asked = case_rows.asked(Request(full=True))
-    seen: dict[tuple[str, ...], Row] = {}
+    rows = []
     with Archive(archive, write=False) as kept:
-        for cell in kept.cells():
-            key = case_rows.key_of(cell)
-            if key in asked and key not in seen and cell["verdict"] != "not-applicable":
-                reason = " ".join((cell["reason"] or "").split())[:90]
-                ends = {"verdict": str(cell["verdict"]), "cpu_s": f"{cell['cpu_s']:.1f}", "reason": reason}
-                seen[key] = {**dict(zip(CHOICES, key, strict=True)), **ends}
-    return [seen[key] for key in sorted(seen)]
+        for key, cell in case_rows.newest(kept.cells(), case_rows.asked(Request(full=True))):
+            reason = " ".join((cell["reason"] or "").split())[:90]
+            ends = {"verdict": str(cell["verdict"]), "cpu_s": f"{cell['cpu_s']:.1f}", "reason": reason}
+            rows.append({**dict(zip(CHOICES, key, strict=True)), **ends})
+    return rows
 
 
 def keep(rows: list[Row]) -> None:

@@ -15,7 +15,7 @@ from __future__ import annotations
 import argparse
 import random
 from collections import Counter, defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -82,20 +82,16 @@ def make(cells: list[Cell], folder: Path) -> None:
 def judged(folder: Path) -> Iterator[Judged]:
     """All finished cells of an archive, the newest of each configuration."""
     planned = case_rows.asked(Request(full=True))
-    seen = set()
     with Archive(folder / "archive.sqlite", write=False) as archive:
-        for found in archive.cells():
-            key = case_rows.key_of(found)
-            if key in seen or key not in planned or found["status"] != "finished":
-                continue
-            seen.add(key)
+        finished = (cell for cell in archive.cells() if cell["status"] == "finished")
+        for key, found in case_rows.newest(finished, planned):
             records = [archive.record(run, None) for run in found["runs"]]
             codes = frozenset(code for record in records if record is not None for code in record.warnings)
             told = {i["name"]: i["code"] for r in records if r is not None for i in r.summary.get("invariants", ())}
             yield Judged(", ".join(filter(None, key)), found["contact"], codes, _missed(found, planned[key], told))
 
 
-def _missed(found: dict[str, Any], cell: Cell, told: dict[str, str]) -> dict[str, frozenset[str]]:
+def _missed(found: Mapping[str, Any], cell: Cell, told: dict[str, str]) -> dict[str, frozenset[str]]:
     case, setup = cell.case(default_registry()), cell.setup
     accepted = {measure.name: frozenset(measure.codes) for measure in case.measures(setup)}
     names = [m["measure"] for m in found["measures"] if m["verdict"] in ("missed", "silent")]

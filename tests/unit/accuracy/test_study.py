@@ -16,7 +16,7 @@ from contactlab.accuracy import run
 from contactlab.accuracy.point import Point, Task, named, point_plan
 from contactlab.accuracy.problem import choices, contenders, problem_of
 from contactlab.accuracy.run import GROWTH, Budget, LineTasks, expected_cost, line_plan, plan
-from contactlab.accuracy.study import CaseChoice, Contender, bundled_case_studies, find_case_study
+from contactlab.accuracy.study import CaseChoice, Contender, find_case_study
 from contactlab.api import Potential, Setup
 from contactlab.cli import main
 from contactlab.errors import RequestError
@@ -150,10 +150,6 @@ def test_no_point_is_as_fine_as_the_runs_of_its_reference() -> None:
     point = here(point_plan(task, problem, default_registry()), lambda run: pytest.fail("it was run"))
     assert point.status == "not-applicable"
     assert f"level {level}" in point.reason
-
-
-def test_bundled_names_are_files() -> None:
-    assert list(bundled_case_studies()) == ["accuracy", "demo"]
 
 
 def test_the_example_of_the_page_is_a_study(tmp_path: Path) -> None:
