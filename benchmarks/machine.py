@@ -5,14 +5,11 @@ from __future__ import annotations
 import os
 import platform
 import re
+from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
 from statistics import median
 from typing import Any
-
-import elements
-import llvmlite.binding
-import numpy as np
 
 CACHES = Path("/sys/devices/system/cpu/cpu0/cache")
 PACKAGES = ("contactlab", "numpy", "scipy", "numba", "llvmlite")
@@ -25,6 +22,11 @@ def machine(entries: int = 20_000_000, rounds: int = 7) -> dict[str, Any]:
     bandwidth  GB/s of one thread: median, least and largest of the rounds
     software   compiler of Python's kernels (LLVM) and of Python itself, packages, and the system
     """
+    # `stages` needs `kind` alone, where no package is installed
+    import elements
+    import llvmlite.binding
+    import numpy as np
+
     arrays = tuple(np.ones(entries) for _ in range(3))
     elements.triad(*arrays)
     speeds = [24e-9 * entries / elements.seconds(lambda: elements.triad(*arrays), 1) for _ in range(rounds)]
@@ -43,7 +45,7 @@ def machine(entries: int = 20_000_000, rounds: int = 7) -> dict[str, Any]:
     }
 
 
-def kind(found: dict[str, Any]) -> str:
+def kind(found: Mapping[str, Any]) -> str:
     """Processor, caches and cores: machines alike in these have comparable ratios."""
     held = ", ".join(f"{name} {size}" for name, size in found["caches"].items())
     return f"{found['processor']} ({found['cores']} cores, {held or 'caches not told'})"

@@ -24,6 +24,8 @@ from statistics import median
 from time import perf_counter, sleep
 from typing import Any
 
+from machine import kind
+
 HERE = Path(__file__).resolve().parent
 FILE = HERE / "stages.json"
 PAGE = HERE.parent / "docs" / "from-a-fresh-clone.md"
@@ -219,12 +221,6 @@ def described(entry: Mapping[str, Any]) -> Iterator[str]:
         what, _, unit = name.removesuffix("]").rpartition(" [")
         spread = f"{shown(found['least'])} to {shown(found['largest'])}" if found["rounds"] > 1 else ""
         yield f"| {what} | {shown(found['median'])} {unit} | {spread} | {found['rounds']} |"
-
-
-def kind(machine: Mapping[str, Any]) -> str:
-    """Processor, cores and caches, as in `machine.kind`, which needs packages that are installed in the clone alone."""
-    held = ", ".join(f"{name} {size}" for name, size in machine["caches"].items())
-    return f"{machine['processor']} ({machine['cores']} cores, {held or 'caches not told'})"
 
 
 def shown(value: float) -> str:
