@@ -28,14 +28,6 @@ BEYOND = (
     "corner nodes up to two per cent of a segment beyond the end of the master are held by its last node: the two "
     "forces are not in one line and turn the pair; with either body wider the change is 150 to 600 times less"
 )
-SOFT_SPRINGS = (
-    "only springs of a hundred-thousandth of the stiffness hold the bodies, and the first iteration moves them far "
-    "away; with springs ten times as stiff the run finishes; the load on the springs was not found"
-)
-JOINTS = (
-    "the two nodes where both halves of the closed slave meet are held by two conditions each, whose statuses change "
-    "in every iteration while those of all others stay"
-)
 BEYOND_PUNCH = (
     "nodes of the block up to 1.4 half-widths beyond the edge of the punch are held by its last node; the run warns of "
     "the torque of the forces and of the integral of the pressure, not of the force"
@@ -100,7 +92,6 @@ CAUSES: dict[tuple[str, str, str], str] = {
     ("patch", NODES, "failed"): VERTEX,
     ("two-rings", NODES, "silent"): f"{ONE_PASS}: on a curve first order where the case allows second",
     ("disc-in-ring", NODES, "silent"): f"{ONE_PASS}: on a curve first order where the case allows second",
-    ("disc-in-ring", NODES, "failed"): SOFT_SPRINGS,
     ("hertz", NODES, "silent"): f"{ONE_PASS}: the pressure oscillates over several nodes, which is no saw-tooth",
     ("hertz", NODES, "failed"): VERTEX,
     ("stiffness-contrast", NODES, "failed"): VERTEX,
@@ -114,8 +105,6 @@ CAUSES: dict[tuple[str, str, str], str] = {
     ("bars-with-gap", NODES, "silent"): ONE_PASS,
     ("stuck-rings", NODES, "silent"): f"{ONE_PASS}: on a curve first order (0.97 to 1.1) where the case allows second",
     ("stuck-rings", NODES, "not-judged"): ENDS,
-    ("torsion-fit", "mortar-p0", "failed"): JOINTS,
-    ("torsion-fit", "mortar-p1", "failed"): JOINTS,
     ("spinning-pair", NODES, "silent"): BEYOND,
     ("prandtl-punch", NODES, "silent"): BEYOND_PUNCH,
     ("forging", NODES, "failed"): FREE_NODES,
@@ -255,7 +244,6 @@ MISSED: dict[tuple[str, str], str] = {
     ("torsion-fit", "L2 of the carried shear"):
         "a shear of 1/50 to 1/5 of the pressure, of which leaning normals add a part: with ten times the friction the "
         "error is a fifth to a seventh",
-    ("torsion-fit", "stopped"): f"mortars: {JOINTS}; nodes on segments: statuses of half of the nodes keep changing",
 }  # fmt: skip
 """By case ("" for any) and the number that misses first: the cause, as far as it was examined."""
 

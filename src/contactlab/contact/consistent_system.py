@@ -152,7 +152,7 @@ class PairEnds:
         pair = self.pair
         if pair.count > len(self.feet):
             self._bind(len(pair.pieces.slave))
-        return pair.algorithm.feet(pair.seen(memory), pair.pieces, pair.count, self.feet)
+        return not pair.lumped and pair.algorithm.feet(pair.seen(memory), pair.pieces, pair.count, self.feet)
 
 
 def with_ends(pairs: Sequence[ContactPair]) -> list[OperatorPair]:

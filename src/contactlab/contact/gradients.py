@@ -45,7 +45,7 @@ class PairGradients:
     def found(self, memory: Floats) -> GapGradients:
         """Return derivatives of the last update, given by the algorithm or built from its derivatives."""
         pair = self.pair
-        if not pair.algorithm.gradient_nodes:
+        if pair.lumped or not pair.algorithm.gradient_nodes:
             return self._from_derivatives(memory)
         if pair.count > len(self.own.node):
             self.own = self._room(len(pair.pieces.slave), pair.algorithm.gradient_nodes)

@@ -27,7 +27,7 @@ from contactlab.contact.corner_report import corner_pieces, with_corners, with_s
 from contactlab.contact.corners import Corners
 from contactlab.contact.examination import copies, refuse_written
 from contactlab.contact.pair import ContactPair, ContactSnapshot
-from contactlab.errors import SceneError, WrongAnswer
+from contactlab.errors import WrongAnswer
 from contactlab.kernels.contact import banded_rows
 from contactlab.kernels.contact import pair as kernels
 from contactlab.kernels.contact.coupling import Coupling
@@ -50,6 +50,7 @@ class OperatorPair(ContactPair):
     corners     corners of the master that hold the pair; None without any
     measured    positions of the nodes of both sides at which gaps are measured
     before      their positions in the near list
+    lumped      True if T of the last `update` was made diagonal, as a closed chain overlaps all around
     """
 
     factored = True
@@ -84,7 +85,7 @@ class OperatorPair(ContactPair):
         self.columns = BothSides(BandedRows.allocate(k, 8), BandedRows.allocate(k, 8))
         self._weights = BothSides(BandedRows.allocate(k, 8), BandedRows.allocate(k, 64))
         self.corners: Corners | None = None
-        self._solved, self._unchecked = False, True
+        self._solved, self._unchecked, self.lumped = False, True, False
         self._derivatives: PieceDerivatives | None = None
         self._differences: Callable[[Floats], PieceDerivatives] | None = None
         self._bind()
@@ -142,18 +143,13 @@ class OperatorPair(ContactPair):
 
     def _join(self) -> None:
         """Compute coupling, columns (widened as needed) and gaps of the integration segments."""
-        straight, k = self.slave.edges.shape[1] == 2, self.slots
+        straight, k, self.lumped = self.slave.edges.shape[1] == 2, self.slots, False
         while True:
             kept, slave, master = kernels.join(self.address, self.count, straight)
             if kept < 0:
-                raise SceneError(
-                    "the slave is a closed curve that overlaps all around: its constraints form a closed chain",
-                    where=f"{self.name}.slave",
-                    got=f"a closed chain of {len(self.slave.segments)} segments",
-                    allowed="an open slave, or an algorithm whose constraints are not coupled (node-on-segment)",
-                    hint='write algorithm = "node-on-segment", or cut the edge set in two under [bodies.NAME.sets] and '
-                    "declare a contact for each half; swapping the sides helps only if the other side is open",
-                )
+                self.lumped = True
+                _lump(self.pieces.T[: self.count])
+                continue
             if not slave and not master:
                 break
             own, other = self.columns
@@ -192,13 +188,15 @@ class OperatorPair(ContactPair):
         """
         room = OWN_ENTRIES * self.count * sum(self.widths), 20 * self.slots + OWN_NORMALS * self.count
         found = self.room_for_derivatives(*room)
-        if self.algorithm.derivatives(self.seen(memory), self.pieces, self.count, found):
-            return found
-        if self._differences is None:
-            from contactlab.contact.differences import Differences
+        if not self.algorithm.derivatives(self.seen(memory), self.pieces, self.count, found):
+            if self._differences is None:
+                from contactlab.contact.differences import Differences
 
-            self._differences = Differences(self).of
-        return self._differences(memory)
+                self._differences = Differences(self).of
+            found = self._differences(memory)
+        if self.lumped:
+            _lump(found.dT[: found.count])
+        return found
 
     def room_for_derivatives(self, entries: int, normals: int) -> PieceDerivatives:
         """Return arrays with room for so many derivatives of integration segments and of normals."""
@@ -279,6 +277,11 @@ class OperatorPair(ContactPair):
         if self.corners is not None:
             return self.corners.touching
         return isinstance(self.method, PointContact) and len(corner_pieces(self)) > 0
+
+
+def _lump(T: Floats) -> None:
+    """Replace T (p, k, k), or its derivatives, by the sums of its columns on the diagonal: the strong cone."""
+    T[:] = T.sum(axis=1)[:, None] * np.eye(T.shape[1])
 
 
 def refuse_wrong(pieces: Pieces, count: Any, slave_nodes: int, master_nodes: int, part: str) -> None:

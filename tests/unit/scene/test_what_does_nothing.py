@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,6 @@ from contactlab.meshing import Rectangle
 from contactlab.meshing.checks import check_mesh
 from contactlab.model.build import build
 from contactlab.parts.registry import default_registry
-from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene
 
 ELASTIC = {"use": "neo-hookean", "young": 1000.0, "poisson": 0.25, "density": 1e-6}
@@ -153,41 +151,3 @@ def test_meshes_that_are_none_are_refused(spoil: Callable[[Mesh], Mesh], words: 
         check_mesh(spoil(mesh()), element, "bodies.b.mesh")
     for word in ["bodies.b.mesh", *words]:
         assert word in str(found.value)
-
-
-# --- closed curves ----------------------------------------------------------------------------------
-
-
-def full_rings(algorithm: str, **more: Any) -> dict[str, Any]:
-    """A shaft in a hub, 0.01 too thick."""
-
-    def ring(inner: float, outer: float, around: int) -> dict[str, Any]:
-        return {"element": "q1", "material": "m",
-                "mesh": {"use": "ring", "radii": [inner, outer], "cells": [around, 1]}}  # fmt: skip
-
-    return data(
-        time={"end": 1.0},
-        integrator={"use": "newton", "steps": 1},
-        bodies={"shaft": ring(1.0, 2.01, 24), "hub": ring(2.0, 3.0, 24)},
-        contacts=[{"slave": "shaft.outer", "master": "hub.inner", "algorithm": algorithm,
-                   "start": {"overlap": "ramp"}, **more}],
-        supports=[{"on": "hub.outer", "ux": 0.0, "uy": 0.0}, {"on": "shaft.inner", "ux": 0.0, "uy": 0.0}],
-    )  # fmt: skip
-
-
-@pytest.mark.parametrize("swap", [False, True])
-def test_a_closed_slave_that_is_covered_all_around_is_refused_and_not_sent_in_a_circle(
-    swap: bool, tmp_path: Path
-) -> None:
-    with pytest.raises(SceneError) as found:
-        simulate(Scene.from_data(full_rings("mortar-p1", swap=swap)), out=tmp_path / "run")
-    told = str(found.value)
-    assert "contacts.0.slave" in told
-    assert "closed chain of 24 segments" in told
-    assert 'write algorithm = "node-on-segment"' in told
-
-
-def test_what_the_refusal_says_to_write_works() -> None:
-    results = simulate(Scene.from_data(full_rings("node-on-segment")))
-    assert results.status == "finished", results.reason
-    assert results.contact["contacts.0"].last.pressure.min() > 0.0

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.api import ContactCurve, Floats, Job, Record, Setup
-from contactlab_cases.statics import ordered, static_job
+from contactlab.api import Floats, Job, Record, Setup
+from contactlab_cases.statics import static_job
 
 STEEL = (70000.0, 0.3)
 """E [MPa] and nu."""
@@ -46,35 +46,10 @@ def squeeze(on: str, mean: float, wave: float) -> dict[str, Any]:
 def around(record: Record, column: str = "pressure", contact: str = "contacts.0") -> Callable[[Floats], Floats]:
     """A traction of the last frame as a function of the angle [rad], linear between nodes."""
     curve = record.curve(contact)
-    half_way = len(curve.x) // 2
-    middle = float(np.arctan2(curve.y[half_way], curve.x[half_way]))
-    angle, values = ordered(angles_about(curve, middle), getattr(curve, column))
-    return lambda at: np.asarray(np.interp(at, angle, values))
-
-
-def angles_about(curve: ContactCurve, middle: float) -> Floats:
-    """Angles of the nodes of a curve, within half a turn of `middle` [rad].
-
-    Seen from there no end jumps by a full turn: one on the x axis may lie a rounding below it, at -pi.
-    """
-    return np.asarray(middle + np.angle((curve.x + 1j * curve.y) * np.exp(-1j * middle)))
+    angle, values = np.arctan2(curve.y, curve.x), getattr(curve, column)
+    return lambda at: np.asarray(np.interp(at, angle, values, period=2.0 * np.pi))
 
 
 def relative(found: Floats, exact: Floats) -> float:
     """Relative L2 difference of values at equal distances."""
     return float(np.sqrt(np.mean((found - exact) ** 2) / np.mean(exact**2)))
-
-
-def joint(
-    setup: Setup, bodies: dict[str, Any], inner: str, outer: str, contact: Mapping[str, Any]
-) -> list[dict[str, Any]]:
-    """Contacts of a joint all around. A closed curve cannot be a slave, so the slave is cut in two halves.
-
-    Adds the halves to `bodies`. `inner` and `outer` are "body.edge_set"; the inner one is the declared slave.
-    """
-    sides = {"slave": inner, "master": outer}
-    body, edge_set = sides["master" if setup.swap else "slave"].split(".")
-    bodies[body]["sets"] = {"half0": {"of": edge_set, "y": [0.0, 10.0]}, "half1": {"of": edge_set, "y": [-10.0, 0.0]}}
-    halves = [{"master" if setup.swap else "slave": f"{body}.half{k}"} for k in (0, 1)]
-    chosen = {"algorithm": setup.algorithm, "swap": setup.swap}
-    return [sides | half | chosen | dict(contact) for half in halves]

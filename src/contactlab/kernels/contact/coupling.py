@@ -275,8 +275,7 @@ def _merge_one(k, c):
 def factorise(c):
     """Compute pivots of T eliminated from the start of each chain, and `order`.
 
-    `kept[0]` becomes the number of kept multipliers, or -1 if a closed chain overlaps all around (T is then
-    periodic).
+    `kept[0]` becomes the number of kept multipliers, or -1 if a closed chain overlaps all around: T is periodic.
     """
     count = 0
     total = 0
