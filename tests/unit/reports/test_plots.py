@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 
 from contactlab.api.drawing.colours import styles
 from contactlab.reports.cost_plot import cost_figure
+from contactlab.reports.notebook.pictures import limits_of
 from contactlab.reports.pressure_plot import pressure_figure
 from contactlab.studies.shape import von_mises
 from contactlab.studies.table import Table
@@ -24,6 +25,13 @@ class TestColours:
         alone = styles(["node-on-segment"])["node-on-segment"].colour
         for others in (["mortar-p0", "mortar-p1"], ["my-mortar", "mortar-p1"], [f"a{k}" for k in range(30)]):
             assert styles([*others, "node-on-segment"])["node-on-segment"].colour == alone
+
+
+    def test_fields_beside_each_other_have_the_range_of_all(self) -> None:
+        """In whatever order: the largest value of one run must not be cut by the next."""
+        fields = [{"block": np.linspace(0.0, most, 1001)} for most in (10.0, 2.0)]
+        assert limits_of(fields) == limits_of(fields[::-1])
+        assert limits_of(fields)[1] > 9.0
 
 
 class TestPressures:

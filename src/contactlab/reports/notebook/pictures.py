@@ -67,7 +67,7 @@ def animated(
     """Return a function that redraws the moment of a number and returns its artists, the coloured ones first."""
     draw_supports_and_loads = _conditions_of(results)
     values = [_values(results, moment, name, flat) for moment in moments]
-    within = limits or limits_of(values)
+    within = limits or limits_of(values, values[-1:])
     before: list[Artist] = []
 
     def draw(number: int) -> list[Any]:
@@ -183,17 +183,16 @@ def _limit(axes: Axes, low: Floats, high: Floats) -> None:
     axes.grid(False)
 
 
-def limits_of(fields: Sequence[Mapping[str, Floats]]) -> Limits:
-    """Ends of the colours: a corner singularity must not leave the rest in the dark."""
-    last = _known(fields[-1].values())
-    every = _known(values for field in fields for values in field.values())
-    low, high = float(np.percentile(every, 0.25)), float(np.percentile(last, 99.75))
+def limits_of(fields: Sequence[Mapping[str, Floats]], ends: Sequence[Mapping[str, Floats]] = ()) -> Limits:
+    """Ends of the colours, the upper one of `ends`: a corner singularity must not leave the rest in the dark."""
+    low = float(np.percentile(_known(fields), 0.25))
+    high = float(np.percentile(_known(ends or fields), 99.75))
     low = 0.0 if 0.0 <= low < 0.3 * high else low
     return (low, high) if high > low else (low, low + max(abs(low), 1.0) * 1e-6)
 
 
-def _known(fields: Iterable[Floats]) -> Floats:
-    values = np.concatenate(list(fields))
+def _known(fields: Sequence[Mapping[str, Floats]]) -> Floats:
+    values = np.concatenate([values for field in fields for values in field.values()])
     return np.asarray(values[np.isfinite(values)])
 
 
