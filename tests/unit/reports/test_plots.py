@@ -26,7 +26,6 @@ class TestColours:
         for others in (["mortar-p0", "mortar-p1"], ["my-mortar", "mortar-p1"], [f"a{k}" for k in range(30)]):
             assert styles([*others, "node-on-segment"])["node-on-segment"].colour == alone
 
-
     def test_fields_beside_each_other_have_the_range_of_all(self) -> None:
         """In whatever order: the largest value of one run must not be cut by the next."""
         fields = [{"block": np.linspace(0.0, most, 1001)} for most in (10.0, 2.0)]
