@@ -86,6 +86,7 @@ CAUSES: dict[tuple[str, str, str], str] = {
     **{("patch", name, "silent"): BY_STEPS for name in (NITSCHE, f"{NITSCHE} theta=1")},
     ("stiffness-contrast", "mortar-p0", "failed"): FINE_ON_SOFT,
     ("stiffness-contrast", "mortar-p1", "failed"): FINE_ON_SOFT,
+    ("stiffness-contrast", "mortar-dual", "failed"): FINE_ON_SOFT,
     ("inclined-layers", NODES, "silent"): f"{ONE_PASS}: the same on a slope",
     ("few-cells", NODES, "silent"): ONE_PASS,
     ("patch", NODES, "silent"): ONE_PASS,
@@ -99,6 +100,11 @@ CAUSES: dict[tuple[str, str, str], str] = {
     ("nafems-cgs1", NODES, "failed"): VERTEX,
     ("ironing", NODES, "not-judged"): VERTEX,
     ("lifted-beam", NODES, "not-judged"): NODE_BY_NODE,
+    ("lifted-beam", "mortar-p1", "not-judged"): NODE_BY_NODE,
+    ("ironing", "mortar-dual", "not-judged"): f"19 iterations a step, of a case made for 10: {NOT_EXAMINED}",
+    ("prandtl-punch", "mortar-dual", "failed"): (
+        "`q1-fbar` with the block as slave: statuses of nodes beside the edge, a fortieth of it long, alternate"
+    ),
     ("disc-on-block", NODES, "not-judged"): VERTEX,
     ("rough-plate", "mortar-p0", "not-judged"): ROUGH,
     ("rough-plate", "mortar-p1", "not-judged"): ROUGH,

@@ -42,6 +42,8 @@ class ImplicitContactSystem:
     pace          release fraction of multipliers merged at the start of a step: 1, or less in
                   load steps that had to be cut (forces jump on release: a shorter step alone would not help)
     freedom       (k,) release of the model's multipliers in the last accepted step, from 0 (merged) to 1
+    gradual       True if the last accepted step released in part: what it freed is merged later than what comes free,
+                  also in the step that frees all
     tenth         [s] a tenth of the loading or the time, by which potentials see how long a step is; inf if unknown
     """
 
@@ -69,7 +71,7 @@ class ImplicitContactSystem:
         )
         self.conditions = _conditions(pairs, state["multipliers"], self.friction)
         self.started = np.zeros_like(state["multipliers"])
-        self.pace, self.tenth = 1.0, np.inf
+        self.pace, self.tenth, self.gradual = 1.0, np.inf, False
         self.freedom = np.ones(state["multipliers"].shape[1])
         self.start = np.zeros((nodes, 2))
         self.flexibility = np.ones((nodes, 2))
@@ -127,12 +129,13 @@ class ImplicitContactSystem:
 
     def _release(self, time: float) -> None:
         """Free multipliers, in full or in part: a release changes gaps and forces immediately."""
-        if self.pace >= 1.0:
-            for coupling, _ in self._couplings():
-                coupling.let_go()
-            return
         for coupling, freedom in self._couplings():
-            coupling.untie(freedom)
+            if self.pace < 1.0 or self.gradual:
+                coupling.untie(freedom)
+            else:
+                coupling.let_go()
+        if self.pace >= 1.0:
+            return
         self._evaluate_start(time)
         for coupling, freedom in self._couplings():
             coupling.hold(self._freed(coupling, freedom))
@@ -167,6 +170,7 @@ class ImplicitContactSystem:
             sliding.accept(pair, self.conditions.slip[pair.own], self.conditions.force[0, pair.own])
         for coupling, freedom in self._couplings():
             freedom[:] = self._freed(coupling, freedom)
+        self.gradual = self.pace < 1.0
         self._write_rows()
 
     def _write_rows(self) -> None:

@@ -376,7 +376,7 @@ class LoadSchedule(Schedule):
         """Everything that changes during the run."""
         own = {"schedule.load": np.array([self.part, self.model.way_followed, self.crept, *self.stabilised.saved()])}
         if (contact := self._contact()) is not None:
-            own["schedule.freedom"] = np.append(contact.freedom, contact.pace)
+            own["schedule.freedom"] = np.append(contact.freedom, [contact.pace, contact.gradual])
         own |= {f"schedule.{name}": a.copy() for error in self.step_errors for name, a in error.memory.items()}
         return super().saved() | own
 
@@ -388,7 +388,8 @@ class LoadSchedule(Schedule):
         self.crept = int(load[2])
         self.stabilised.restore(load[3:])
         if (contact := self._contact()) is not None:
-            contact.freedom[:], contact.pace = memory["schedule.freedom"][:-1], float(memory["schedule.freedom"][-1])
+            *freedom, contact.pace, gradual = memory["schedule.freedom"].tolist()
+            contact.freedom[:], contact.gradual = freedom, bool(gradual)
         for error in self.step_errors:
             for name, array in error.memory.items():
                 array[:] = memory[f"schedule.{name}"]

@@ -282,10 +282,12 @@ def test_what_comes_free_by_and_by_is_saved_and_restored() -> None:
     schedule.cut(attempt(0.5))
     assert contact.pace == pytest.approx(CUT)
     contact.freedom[:] = np.linspace(0.0, 1.0, len(contact.freedom))
+    contact.gradual = True
     saved = {name: np.array(values) for name, values in schedule.saved().items()}
     expected, contact.pace = contact.freedom.copy(), 1.0
-    contact.freedom[:] = 0.5
+    contact.freedom[:], contact.gradual = 0.5, False
     schedule.restore(saved)
+    assert contact.gradual
     assert contact.pace == pytest.approx(CUT)
     np.testing.assert_array_equal(contact.freedom, expected)
     schedule.state["clock"][0] = 1.0 - 1e-3
