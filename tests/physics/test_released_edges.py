@@ -14,8 +14,8 @@ STRENGTH = 1.0  # MPa
 def test_a_punch_goes_all_the_way_into_what_flows_beside_its_edge() -> None:
     """Prandtl: (2 + pi) of the shear strength under a smooth or rough punch in plane strain.
 
-    The block is the slave, and what it bears beside the edge comes and goes there. Its last node was free after steps
-    that were cut, and merged again by the last one, however short: the run stopped at 99.99 % of the way.
+    The block is the slave. A multiplier beside the edge was free after steps that had to be cut, and the last step
+    merged it again, however short the step was: the run stopped at 99.99 % of the displacement.
     """
     soil = {"use": "linear-hardening", "young": 3000.0, "poisson": 0.3, "density": 1.0, "yield_stress": STRENGTH}
     results = simulate(Scene.from_data({

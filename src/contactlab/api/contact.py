@@ -142,6 +142,11 @@ class ContactAlgorithm(ContactMethod):
     biorthogonal: ClassVar[bool] = False
     closest_points: ClassVar[bool] = False
 
+    @property
+    def lumped(self) -> bool:
+        """True if the core lumps hats in T: each multiplier then has a gap of its own (rows.md, the strong cone)."""
+        return False
+
     def with_friction(self) -> ContactAlgorithm:
         """Return the algorithm to use with friction. The default is the algorithm itself."""
         return self

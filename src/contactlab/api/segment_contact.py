@@ -69,11 +69,6 @@ class SegmentContact(ContactAlgorithm):
         """Break points of the basis, and its degree between them: `Shape` of `contactlab.formulas.basis`."""
         return late("contactlab.formulas.basis").shape_of(self)
 
-    @property
-    def lumped(self) -> bool:
-        """True if hats are lumped in T: each multiplier then has a gap of its own (rows.md, the strong cone)."""
-        return False
-
     def with_friction(self) -> ContactAlgorithm:
         """Put multipliers at the ends of quadratic edges, unless specified otherwise."""
         return replace(self, multipliers="vertices") if self.multipliers == "auto" else self
@@ -109,9 +104,7 @@ class SegmentContact(ContactAlgorithm):
         return bool(module.gradients(self, view, pieces, count, owner, separation, out))
 
     def feet(self, view: ContactView, pieces: Pieces, count: int, out: Floats) -> bool:
-        """Fill the overlap ends, for closed forms that know no lumped hats."""
-        if self.lumped:
-            return False
+        """Fill the overlap ends."""
         out[:count] = pieces.ends[:count]
         return pieces.averaged
 

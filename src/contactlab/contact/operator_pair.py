@@ -50,7 +50,8 @@ class OperatorPair(ContactPair):
     corners     corners of the master that hold the pair; None without any
     measured    positions of the nodes of both sides at which gaps are measured
     before      their positions in the near list
-    lumped      True if T of the last `update` was made diagonal, as a closed chain overlaps all around
+    lumped      True if T of the last `update` was made diagonal: as the algorithm asks, or since a closed chain
+                overlaps all around
     """
 
     factored = True
@@ -143,7 +144,9 @@ class OperatorPair(ContactPair):
 
     def _join(self) -> None:
         """Compute coupling, columns (widened as needed) and gaps of the integration segments."""
-        straight, k, self.lumped = self.slave.edges.shape[1] == 2, self.slots, False
+        straight, k, self.lumped = self.slave.edges.shape[1] == 2, self.slots, self.algorithm.lumped
+        if self.lumped:
+            _lump(self.pieces.T[: self.count])
         while True:
             kept, slave, master = kernels.join(self.address, self.count, straight)
             if kept < 0:
@@ -281,7 +284,9 @@ class OperatorPair(ContactPair):
 
 def _lump(T: Floats) -> None:
     """Replace T (p, k, k), or its derivatives, by the sums of its columns on the diagonal: the strong cone."""
-    T[:] = T.sum(axis=1)[:, None] * np.eye(T.shape[1])
+    sums, k = T.sum(axis=1), np.arange(T.shape[1])
+    T[:] = 0.0
+    T[:, k, k] = sums
 
 
 def refuse_wrong(pieces: Pieces, count: Any, slave_nodes: int, master_nodes: int, part: str) -> None:

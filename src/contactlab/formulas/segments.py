@@ -141,8 +141,6 @@ def pieces(part: SegmentContact, view: ContactView, out: Pieces) -> int:
     arrays = made_of.given_arrays(_PIECES.of(out, _BOTH, view, part), Both)
     count, turned = made_of.made(kernels.pieces)(arrays, view.reach, DEPTH, _vertices(part))
     out.averaged = turned == 0
-    if part.lumped:
-        _lump(out.T[:count])
     return int(count)
 
 
@@ -151,8 +149,6 @@ def derivatives(part: SegmentContact, view: ContactView, pieces: Pieces, count: 
     made_of = _kernels(part)
     arrays = made_of.given_arrays(_DERIVATIVES.of(out, _DERIVED, view, part, pieces), Derived)
     out.count, out.normal_count = made_of.made(changes.piece_derivatives)(arrays, count, _vertices(part))
-    if part.lumped:
-        _lump(out.dT[: out.count])
     return True
 
 
@@ -160,8 +156,8 @@ def gradients(
     part: SegmentContact, view: ContactView, pieces: Pieces, count: int, owner: Ints, separation: Floats,
     out: GapGradients,
 ) -> bool:  # fmt: skip
-    """Implement `ContactAlgorithm.gradients`; with lumped hats the core takes them from `derivatives`."""
-    if part.lumped or not pieces.averaged:
+    """Implement `ContactAlgorithm.gradients`."""
+    if not pieces.averaged:
         return False
     made_of = _kernels(part)
     bound = _GRADIENTS.of(out, _SEPARATED, view, part, pieces, owner, separation)
@@ -195,13 +191,6 @@ def averaged_normals(view: ContactView, pieces: Pieces, count: int, out: Floats)
     """Fill the averaged normals, if they are the directions at ends and vertices, too; else return False."""
     inward_normals(view.at.slave, view.slave.segments, out)
     return not turned_normals(_NORMALS.of(pieces, _BOTH, view, None).address, count, out)
-
-
-def _lump(T: Floats) -> None:
-    """Columns of T (z, 2, 2), or of its derivatives, become their sums on the diagonal."""
-    sums = T.sum(axis=1)
-    T[:] = 0.0
-    T[:, (0, 1), (0, 1)] = sums
 
 
 def _vertices(part: SegmentContact) -> bool:

@@ -235,9 +235,9 @@ def _friction_used_up(model: Model, scene: Scene) -> str:
 
 
 def _sliding(model: Model, scene: Scene, used: dict[ContactPair, float]) -> dict[str, tuple[str, ...]]:
-    """Bodies without supports whose pressing nodes all slip one way around, as those of a belt do.
+    """Return bodies without supports whose pressing nodes all slip in the same direction along the surface.
 
-    No rigid motion of a belt is free.
+    A belt on a drum is one: it slides although no rigid motion of it is free.
     """
     forces = model.state["multipliers"]
     pressed = [pair for pair in used if forces[0, pair.own].any()]

@@ -45,15 +45,12 @@ class DiscInRing(Case):
             "ring": {"use": "ring", "radii": [RADIUS, OUTER], "cells": [around, max(2, around // 12)]},
         }
         bodies: dict[str, Any] = {name: {"material": name, "mesh": mesh} for name, mesh in meshes.items()}
-        contact = {
-            "slave": "disc.arc", "master": "ring.inner", "algorithm": setup.algorithm, "swap": setup.swap,
-            "start": {"gap": "zero"},
-        }  # fmt: skip
+        contact = {"slave": "disc.arc", "master": "ring.inner", "start": {"gap": "zero"}}
         young, nu = STEEL
         job = static_job(
             "pressed", setup,
             {"disc": {"young": young * self.stiff, "poisson": nu}, "ring": {"young": young, "poisson": nu}},
-            bodies, {}, contacts=[contact],
+            bodies, contact,
             loads=[squeeze("ring.outer", 1.0, self.wave)],
             effects=[{"use": "spring", "on": name, "stiffness": [SOFT, SOFT]} for name in meshes],
         )  # fmt: skip

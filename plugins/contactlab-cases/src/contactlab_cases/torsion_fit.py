@@ -66,12 +66,12 @@ class TorsionFit(Case):
             for name, (radii, n) in rings.items()
         }
         contact = {
-            "slave": "inner.outer", "master": "outer.inner", "algorithm": setup.algorithm, "swap": setup.swap,
-            "start": {"gap": "zero"}, "friction": {"use": "coulomb", "mu": self.mu},
+            "slave": "inner.outer", "master": "outer.inner", "start": {"gap": "zero"},
+            "friction": {"use": "coulomb", "mu": self.mu},
         }  # fmt: skip
         shear = self._exact()[1] * (b / c) ** 2
         job = static_job(
-            "turned", setup, {"steel": {"young": STEEL[0], "poisson": STEEL[1]}}, bodies, {}, contacts=[contact],
+            "turned", setup, {"steel": {"young": STEEL[0], "poisson": STEEL[1]}}, bodies, contact,
             supports=[{"on": "inner.inner", "ux": 0.0, "uy": 0.0}], time={"end": 2.0}, steps=2, fields=True,
             loads=[
                 {"on": "outer.outer", "pressure": {"ramp": "linear", "to": 1.0, "duration": 1.0}},
