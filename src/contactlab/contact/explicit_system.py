@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 MARGIN = 0.1  # segment lengths: constraints with a larger gap cannot close within a step
 GROW = 1.5
 ROUNDS = 20  # most solves of a step in which bounds follow slips
-OLDER = {FactoredRows: "solve_factored", FactoredGradients: "solve_gradients"}
-"""Older names of `solve` by the form of rows, for parts that have methods of these names."""
 
 
 class ContactSystem:
@@ -44,7 +42,9 @@ class ContactSystem:
 
     def __init__(self, pairs: tuple[ContactPair, ...], enforcement: ExplicitEnforcement, state: State) -> None:
         self.pairs, self.passes = shown(pairs), pairs
-        self.enforcement, self.state, self.solvers = enforcement, state, solvers(enforcement)
+        self.enforcement, self.state = enforcement, state
+        # the enforcement itself, unless it has methods of older names
+        self.solver = OlderNames(enforcement) if OlderNames.has(enforcement) else enforcement
         self.multipliers, self.before = state["multipliers"], state["multipliers_before"]
         self.friction = any(pair.friction is not None for pair in pairs)
         self.memories = [pair.memory_in(state) for pair in pairs]
@@ -132,7 +132,7 @@ class ContactSystem:
     def _enforce(self, rows: GapRows, compliance: Floats, force: Floats) -> Any:
         """Solve for the forces of rows of any form. Return a `Solve`; None if reduced rows have no solution."""
         began = perf_counter()
-        done = self.solvers[type(rows)](rows, compliance, self.multipliers, force)
+        done = self.solver.solve(rows, compliance, self.multipliers, force)
         self.solution_s += perf_counter() - began
         if type(done) is not Solve and (done is not None or rows is self.rows):
             raise WrongAnswer(f"{type(self.enforcement).__name__}: solve gave {type(done).__name__}, needed: Solve")
@@ -211,14 +211,6 @@ class ContactSystem:
         return self.passes[number].append_rows(self.rows, entries, margin, self.multipliers, current)
 
 
-def solvers(enforcement: ExplicitEnforcement) -> dict[type[GapRows], Callable[..., Solve | None]]:
-    """Return the method of an enforcement for each form of rows: `solve`, unless it has methods of older names."""
-    cls = type(enforcement)
-    older = any(getattr(cls, name) is not getattr(ExplicitEnforcement, name) for name in OLDER.values())
-    named = {form: getattr(enforcement, name) if older else enforcement.solve for form, name in OLDER.items()}
-    return {Rows: enforcement.solve, **named}
-
-
 class Reduced(ABC):
     """Rows of a model before the couplings T of their multipliers are inverted."""
 
@@ -248,6 +240,27 @@ class Columns(Reduced):
             if all(pair.append_factored(self.rows) for pair in self.pairs):
                 return True
             self.rows = FactoredRows.allocate(len(self.rows.gap), int(GROW * len(self.rows.node)) + 64)
+
+
+class OlderNames:
+    """An enforcement with methods of older names for reduced rows, `solve_factored` or `solve_gradients`."""
+
+    def __init__(self, enforcement: ExplicitEnforcement) -> None:
+        self.enforcement = enforcement
+
+    @staticmethod
+    def has(enforcement: ExplicitEnforcement) -> bool:
+        """Return whether the class of an enforcement overrides such a method."""
+        cls, base = type(enforcement), ExplicitEnforcement
+        return (cls.solve_factored, cls.solve_gradients) != (base.solve_factored, base.solve_gradients)
+
+    def solve(self, rows: GapRows, compliance: Floats, multipliers: Floats, force: Floats) -> Solve | None:
+        """Call the method for this form of rows."""
+        if isinstance(rows, FactoredRows):
+            return self.enforcement.solve_factored(rows, compliance, multipliers, force)
+        if isinstance(rows, FactoredGradients):
+            return self.enforcement.solve_gradients(rows, compliance, multipliers, force)
+        return self.enforcement.solve(rows, compliance, multipliers, force)
 
 
 def slips(rows: Rows, slots: int, compliance: Floats, force: Floats) -> tuple[Floats, Floats]:
