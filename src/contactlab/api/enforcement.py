@@ -176,7 +176,7 @@ class FactoredGradients(GapRows):
     The row of constraint i is normal . (own + [T^-T B])_i + spin d(angle); products with it are in
     `contactlab.api.compiled.gradient_products`. Local node numbers are indices into `nodes`.
 
-    factors      the `FactoredRows` it contains; `node` and `own` are local, `weight` is empty, `gap` is the
+    factors      the `FactoredRows` it contains; `node` and `own` are local, `weight` is empty, `gap` is d - d0, the
                  predicted motion less the allowed motion, and `left`, written by the enforcement, is `gap` after the
                  solve plus `offset`
     block        (z, 2, 2) [mm] row i of B: derivative of component c of the weighted separation by coordinate d

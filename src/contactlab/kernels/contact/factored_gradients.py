@@ -151,20 +151,50 @@ def _add_lever(a, x, y, ends, at, begin, rows):
     return at + 1
 
 
+class PieceSums(NamedTuple):
+    """Sums over the multipliers of a piece merged into one: integrals of their psi times shape functions and hats.
+
+    d0, d1  D of both slave nodes, m0, m1 M of both master nodes
+    t       the integral of psi, ahead: of psi times the second hat
+    """
+
+    d0: float
+    d1: float
+    m0: float
+    m1: float
+    t: float
+    ahead: float
+
+
+class EndsMove(NamedTuple):
+    """Sum of beta_e d(eta_e) over both ends of a piece, by motions (x, y) of its nodes and angles of its normals.
+
+    a, b        per motion of the slave's two nodes, c, d of the master's
+    at_a, at_b  per angle of the slave's two normals
+    """
+
+    a: tuple[float, float]
+    b: tuple[float, float]
+    c: tuple[float, float]
+    d: tuple[float, float]
+    at_a: float
+    at_b: float
+
+
 @point
 def _sum(one, other):
     return one[0] + other[0], one[1] + other[1], one[2] + other[2], one[3] + other[3]
 
 
 @point
-def _less(block, x, y, u, v):
-    """Return a block less the product of the columns (x, y) and (u, v)."""
-    return block[0] - x * u, block[1] - x * v, block[2] - y * u, block[3] - y * v
+def _less(block, m, move):
+    """Return a block (xx, xy, yx, yy) less the product of the columns m and `move`."""
+    return block[0] - m[0] * move[0], block[1] - m[0] * move[1], block[2] - m[1] * move[0], block[3] - m[1] * move[1]
 
 
 @section
 def _own_sums(p, k, pieces, owner):
-    """Return sums over the multipliers of piece p merged into k: D and M by node, T, and T by the second hat."""
+    """Return `PieceSums` of the multipliers of piece p merged into k."""
     first, second = 0.0, 0.0
     if owner[pieces.multiplier[p, 0]] == k:
         first = 1.0
@@ -172,7 +202,7 @@ def _own_sums(p, k, pieces, owner):
         second = 1.0
     D, M, T = pieces.D, pieces.M, pieces.T
     ahead = first * T[p, 1, 0] + second * T[p, 1, 1]
-    return (
+    return PieceSums(
         first * D[p, 0, 0] + second * D[p, 0, 1], first * D[p, 1, 0] + second * D[p, 1, 1],
         first * M[p, 0, 0] + second * M[p, 0, 1], first * M[p, 1, 0] + second * M[p, 1, 1],
         first * T[p, 0, 0] + second * T[p, 0, 1] + ahead, ahead,
@@ -180,18 +210,21 @@ def _own_sums(p, k, pieces, owner):
 
 
 @section
-def _moves(p, whole, ahead, ends):
-    """Return sums of the motion of both ends of piece p, per motion of four nodes and per angle of two."""
+def _ends_move(p, sums, ends):
+    """Return `EndsMove` of piece p: `under` and `over` are beta of its first and second end.
+
+    beta_e is the integral of psi times the hat of end e of the piece, which is linear in xi, as the slave's hats are.
+    """
     low, eta_low, high, eta_high = ends.feet[p, 0], ends.feet[p, 1], ends.feet[p, 2], ends.feet[p, 3]
-    over = (ahead - low * whole) / (high - low)
-    under = whole - over
+    over = (sums.ahead - low * sums.t) / (high - low)
+    under = sums.t - over
     x0, y0 = under * ends.rate[p, 0, 0], under * ends.rate[p, 0, 1]
     x1, y1 = over * ends.rate[p, 1, 0], over * ends.rate[p, 1, 1]
     x, y, bx, by = x0 + x1, y0 + y1, low * x0 + high * x1, low * y0 + high * y1
     dx, dy = eta_low * x0 + eta_high * x1, eta_low * y0 + eta_high * y1
     first = under * ends.lever[p, 0, 0] + over * ends.lever[p, 1, 0]
     second = under * ends.lever[p, 0, 1] + over * ends.lever[p, 1, 1]
-    return x - bx, y - by, bx, by, dx - x, dy - y, -dx, -dy, first, second
+    return EndsMove((x - bx, y - by), (bx, by), (dx - x, dy - y), (-dx, -dy), first, second)
 
 
 @section
@@ -214,16 +247,19 @@ def _add_angles(angles, levers, ends, at, begin, rows):
 
 @section
 def _write_entries(k, pair, ends, at, angle_at, rows):
-    """Write entries of constraint k from here on, of nodes and of angles. Return the next free entries.
+    """Write the entries of row k of B, of nodes and of angles, from here on. Return the next free entries.
 
-    A slave segment sums over its pieces; a node of the master that ends one piece begins the next.
+    A piece with the master segment m adds D dx - M dy - m (beta_0 d(eta_0) + beta_1 d(eta_1)), see `EndsMove`
+    (docs/theory/contact-energy.md, implementation). A slave segment sums over its pieces; a node of the master that
+    ends one piece begins the next.
     """
     begin, angle_begin, local, zero = at, angle_at, ends.local, (0.0, 0.0, 0.0, 0.0)
     single = pair.coupling.single[0]
     slave, slave_blocks, angles, levers, waiting, kept = (-1, -1), (zero, zero), (-1, -1), zero, -1, zero
     for p in range(ends.first[k], ends.last[k] + 1):
-        d0, d1, m0, m1, whole, ahead = _own_sums(p, k, pair.pieces, pair.coupling.owner)
-        if whole == 0.0 and m0 == 0.0 and m1 == 0.0:
+        sums = _own_sums(p, k, pair.pieces, pair.coupling.owner)
+        d0, d1, m0, m1 = sums.d0, sums.d1, sums.m0, sums.m1
+        if sums.t == 0.0 and m0 == 0.0 and m1 == 0.0:
             continue
         c, d, changing = local[p, 2], local[p, 3], local[p, 4] >= 0
         master_blocks = (-m0, 0.0, 0.0, -m0), (-m1, 0.0, 0.0, -m1)
@@ -236,11 +272,10 @@ def _write_entries(k, pair, ends, at, angle_at, rows):
             if angles[0] != local[p, 4]:
                 angle_at = _add_angles(angles, levers, ends, angle_at, angle_begin, rows)
                 angles, levers = (local[p, 4], local[p, 5]), zero
-            x, y = ends.along[p, 0], ends.along[p, 1]
-            ax, ay, bx, by, cx, cy, dx, dy, first, second = _moves(p, whole, ahead, ends)
-            slave_blocks = _less(slave_blocks[0], x, y, ax, ay), _less(slave_blocks[1], x, y, bx, by)
-            master_blocks = _less(master_blocks[0], x, y, cx, cy), _less(master_blocks[1], x, y, dx, dy)
-            levers = _less(levers, first, second, x, y)
+            m, move = (ends.along[p, 0], ends.along[p, 1]), _ends_move(p, sums, ends)
+            slave_blocks = _less(slave_blocks[0], m, move.a), _less(slave_blocks[1], m, move.b)
+            master_blocks = _less(master_blocks[0], m, move.c), _less(master_blocks[1], m, move.d)
+            levers = _less(levers, (move.at_a, move.at_b), m)
         if waiting == c:
             at = _add_block(c, _sum(master_blocks[0], kept), ends, at, begin, rows)
             waiting, kept = d, master_blocks[1]
@@ -311,7 +346,11 @@ def write_gradients(bound, bound_ends, count, first_slot, row, rows):
 
 @kernel
 def allow_factored_motion(count, rows, current, predicted, velocity, last_dt):
-    """Replace initial gaps of the first `count` rows by the constraint at the end of the step (`allow_motion`)."""
+    """Replace `gap`, first g at the start of the step, by the constraint d >= d0 of its end, in the first `count` rows.
+
+    gap = d - d0, d0 = min(-g, -u, 0), offset = g + d0: d = G (predicted - current) is the change of the gap in the
+    step without contact forces, u = G (last_dt velocity) in the step before (`allow_motion`).
+    """
     size, gap = rows.used[0], rows.factors.gap
     step, came = np.empty((size, 2)), np.empty((size, 2))
     for n in range(size):
