@@ -39,6 +39,10 @@ class ImplicitContactSystem:
     consistent    True if normal forces act along the derivatives of the gaps
     whole_steps   True if they do so in dynamic steps, which hold gaps by rows that belong to the whole step
     potentials    pairs whose forces come from an energy; `linear` are the others, which set constraints
+    multipliers   (r, k) [N] of the state, changed in place: the same array as `conditions.force` and
+                  `Trial.multipliers`. `evaluate` clears slots without a constraint, `LineSearch` adds corrections;
+                  rarely, starts of an iteration, friction without a bound yet, and impulses at the end of a step
+                  write to it
     pace          release fraction of multipliers merged at the start of a step: 1, or less in
                   load steps that had to be cut (forces jump on release: a shorter step alone would not help)
     freedom       (k,) release of the model's multipliers in the last accepted step, from 0 (merged) to 1
@@ -69,13 +73,13 @@ class ImplicitContactSystem:
         self.linear = tuple(
             linearised(pair, nodes, consistent, self.whole_steps) for pair in pairs if not pair.by_energy
         )
-        self.conditions = _conditions(pairs, state["multipliers"], self.friction)
-        self.started = np.zeros_like(state["multipliers"])
+        self.multipliers = state["multipliers"]
+        self.conditions = _conditions(pairs, self.multipliers, self.friction)
+        self.started = np.zeros_like(self.multipliers)
         self.pace, self.tenth, self.gradual = 1.0, np.inf, False
-        self.freedom = np.ones(state["multipliers"].shape[1])
+        self.freedom = np.ones(self.multipliers.shape[1])
         self.start = np.zeros((nodes, 2))
         self.flexibility = np.ones((nodes, 2))
-        self.multipliers = state["multipliers"]
         self.rows = Rows.allocate(self.multipliers.shape[1], 32, self.friction)
         self.factored = None  # constraints are never written as `FactoredRows`
         self.seconds = 0.0
@@ -110,7 +114,7 @@ class ImplicitContactSystem:
         for potential in self.potentials:
             potential.begin_step(position, (time - self.state.time) / self.tenth)
             # forces that the last step wrote for reports belong to no constraint
-            self.conditions.force[:, potential.own] = 0.0
+            self.multipliers[:, potential.own] = 0.0
         for pair, sliding in self.varying:
             sliding.begin_step(pair, time, time - self.state.time)
         if self.store is not None and self.store.memory is not None:
@@ -124,8 +128,8 @@ class ImplicitContactSystem:
             middle = position + 0.5 * (time - self.state.time) * self.state["velocity"]
         for linear in self.linear:
             linear.begin(self.state.time, position, middle)
-        self.conditions.anchor[:] = self.conditions.force
-        self.started[:] = self.conditions.force
+        self.conditions.anchor[:] = self.multipliers
+        self.started[:] = self.multipliers
 
     def _release(self, time: float) -> None:
         """Free multipliers, in full or in part: a release changes gaps and forces immediately."""
@@ -167,7 +171,7 @@ class ImplicitContactSystem:
         if self.store is not None:
             self.store.accept(self.conditions)
         for pair, sliding in self.varying:
-            sliding.accept(pair, self.conditions.slip[pair.own], self.conditions.force[0, pair.own])
+            sliding.accept(pair, self.conditions.slip[pair.own], self.multipliers[0, pair.own])
         for coupling, freedom in self._couplings():
             freedom[:] = self._freed(coupling, freedom)
         self.gradual = self.pace < 1.0
@@ -208,7 +212,7 @@ class ImplicitContactSystem:
                 self._write_bounds(pair)
         for pair in self.potentials:
             pair.evaluate(position)
-        c.force[:, ~c.present] = 0.0
+        self.multipliers[:, ~c.present] = 0.0
         self.seconds += perf_counter() - began
 
     def _write_bounds(self, pair: ContactPair) -> None:
@@ -224,7 +228,7 @@ class ImplicitContactSystem:
         for pair in self.potentials:
             pair.add_forces(normal, tangential)
         for linear in self.linear:
-            linear.add_forces(self.conditions.force, normal, tangential)
+            linear.add_forces(self.multipliers, normal, tangential)
 
     @property
     def by_energy(self) -> bool:
@@ -234,7 +238,7 @@ class ImplicitContactSystem:
     @property
     def acts(self) -> bool:
         """True if nodal forces exist without any choice of constraints; see `contactlab.api.ImplicitContact`."""
-        return self.by_energy or bool(self.conditions.force.any())
+        return self.by_energy or bool(self.multipliers.any())
 
     def free_share(self, position: Floats, motion: Floats, depth: float) -> float:
         """Return the share of a motion without passage of surfaces; see `contactlab.api.ImplicitContact`."""
@@ -251,7 +255,7 @@ class ImplicitContactSystem:
         """True if bounds that vary fit the slips of this step; otherwise, update them."""
         c, follow = self.conditions, True
         for pair, sliding in self.varying:
-            slip, force = c.slip[pair.own], c.force[:, pair.own]
+            slip, force = c.slip[pair.own], self.multipliers[:, pair.own]
             give = sliding.measured_give(slip, force[1], 1.0 / c.stiffness[pair.own])
             if sliding.follow(pair, slip, give, force) > SETTLED:
                 self._write_bounds(pair)
@@ -260,7 +264,7 @@ class ImplicitContactSystem:
 
     def dissipation(self) -> float:
         """Return the energy [mJ] dissipated by friction in the step; see `contactlab.api.ImplicitContact`."""
-        return self._rubbed(self.conditions.force[-1]) + sum(pair.dissipation() for pair in self.potentials)
+        return self._rubbed(self.multipliers[-1]) + sum(pair.dissipation() for pair in self.potentials)
 
     def _rubbed(self, shear: Floats) -> float:
         """Return the energy [mJ] that tangential forces (k,) [N] dissipate over the slips; two passes count half."""
@@ -278,15 +282,15 @@ class ImplicitContactSystem:
         potentials = sum(pair.dissipation() for pair in self.potentials)
         if not self.friction:
             return potentials, 0.0
-        c, (normal, shear) = self.conditions, self.started
+        c, y, (normal, shear) = self.conditions, self.multipliers, self.started
         bound, measure = FrictionBound(*c.bound), np.where(c.present, c.measure, 0.0)
-        bounds = np.stack([bound.limits(force, measure)[0] for force in (normal, c.force[0])])
+        bounds = np.stack([bound.limits(force, measure)[0] for force in (normal, y[0])])
         # only springs slip below the bound; forces of slip stresses miss it by what the last iteration changes
-        slides = (np.abs(c.force[1]) >= bounds[1] * STICKS) | self.enforcement.exact
+        slides = (np.abs(y[1]) >= bounds[1] * STICKS) | self.enforcement.exact
         way = -np.sign(c.slip)
         start = np.where(slides, way * np.clip(way * shear, bounds.min(axis=0), bounds.max(axis=0)), shear)
-        taken = self._rubbed(0.5 * (start + c.force[1]))
-        return taken + potentials, taken - self._rubbed(0.5 * (shear + c.force[1]))
+        taken = self._rubbed(0.5 * (start + y[1]))
+        return taken + potentials, taken - self._rubbed(0.5 * (shear + y[1]))
 
     def scale(self, flexibility: Floats) -> None:
         """Set nodal flexibilities, which determine contact stiffnesses."""
@@ -294,13 +298,13 @@ class ImplicitContactSystem:
 
     def linearise(self, chosen: Ints) -> ContactDerivatives:
         """Return derivatives of the chosen slots; see `contactlab.api.ImplicitContact`."""
-        began, force, size = perf_counter(), self.conditions.force, 2 * len(self.start)
+        began, y, size = perf_counter(), self.multipliers, 2 * len(self.start)
         parts = []
         for linear in self.linear:
             own = linear.pair.own
             within = _within(own, chosen)
-            if not linear.pair.idle and (len(within) or force[:, own].any()):
-                parts.append(linear.linearise(within, force[:, own]))
+            if not linear.pair.idle and (len(within) or y[:, own].any()):
+                parts.append(linear.linearise(within, y[:, own]))
         if not parts:
             none = csr_array((0, size))
             parts = [ContactDerivatives(none, None, none, None, csr_array((size, size)))]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,7 +12,11 @@ from contactlab.api import Floats, ImplicitEquations, Iteration, State
 from contactlab.api.frame import SLIP
 from contactlab.implicit.factor import SingularSystem, with_diagonal
 from contactlab.implicit.saddle import SaddleSystem
-from contactlab.implicit.trial import AWAY, SHORTEST, Balance, LineSearch, Residual, Scales, Trial, force_scale
+from contactlab.implicit.trial import AWAY, SHORTEST, LineSearch, Residual, Scales, Trial, force_scale
+
+if TYPE_CHECKING:
+    from contactlab.implicit.motion import LoadStep
+    from contactlab.implicit.time_step import TimeStep
 
 AUGMENTATIONS = 40  # times the iterations of a step, for augmentations
 TAKEOVERS = 40  # times that friction may take newer normal forces or slips in a step
@@ -49,7 +54,7 @@ class NewtonIteration:
     """
 
     def __init__(
-        self, equations: ImplicitEquations, state: State, balance: Balance, tolerance: float, most: int
+        self, equations: ImplicitEquations, state: State, balance: LoadStep | TimeStep, tolerance: float, most: int
     ) -> None:
         self.tolerance, self.most = tolerance, most
         self.trial = Trial(equations, state, balance)
@@ -76,7 +81,7 @@ class NewtonIteration:
         given = np.zeros(trial.u.size)
         began, softly = 0, 0  # iterations at the last augmentation; times that only soft springs kept balance
         while self._goes_on(outcome.trace[began:]):
-            self._linearise(dt)
+            self._update_stiffness(dt)
             if not outcome.trace and self._at_rest(target, outcome):
                 return outcome
             given[trial.held] = trial.still_to_move(target)
@@ -155,11 +160,11 @@ class NewtonIteration:
         contact = self.trial.contact
         if contact is None or not contact.enforcement.augments:
             return False
-        conditions = contact.conditions
-        left = float(np.abs(conditions.force - conditions.anchor).max(initial=0.0))
-        if left <= self.tolerance * max(float(np.abs(conditions.force).max(initial=0.0)), self.scales.floor):
+        y, anchor = self.trial.multipliers, contact.conditions.anchor
+        left = float(np.abs(y - anchor).max(initial=0.0))
+        if left <= self.tolerance * max(float(np.abs(y).max(initial=0.0)), self.scales.floor):
             return False
-        conditions.anchor[:] = conditions.force
+        anchor[:] = y
         self.trial.update_forces()
         if outcome.trace:
             note = f"forces taken over, which had changed by {left:.1e} N"
@@ -249,14 +254,17 @@ class NewtonIteration:
         contact = self.trial.contact
         if contact is None or not len(contact.conditions.slip):
             return False
-        c = contact.conditions
-        touch = c.present & (c.force[0] == 0.0) & (np.abs(c.gap) <= TOUCHING * c.size)
-        c.force[0, touch] = 2.0 * TOUCHING * c.stiffness[touch] * c.size[touch]
+        c, y = contact.conditions, self.trial.multipliers[0]
+        touch = c.present & (y == 0.0) & (np.abs(c.gap) <= TOUCHING * c.size)
+        y[touch] = 2.0 * TOUCHING * c.stiffness[touch] * c.size[touch]
         self.trial.update_forces()
         return bool(touch.any())
 
-    def _linearise(self, dt: float) -> None:
-        """Compute stiffness at the trial state, and the contact stiffnesses that follow from it."""
+    def _update_stiffness(self, dt: float) -> None:
+        """Compute the stiffness of the bodies at the trial state, and the scales that follow from it.
+
+        Contact is linearised in `SaddleSystem.step`.
+        """
         trial, first = self.trial, self.scales.floor == 0.0
         self.stiffness = trial.balance.stiffness(dt)
         diagonal = np.abs(self.stiffness.diagonal()).reshape(trial.u.shape)

@@ -65,7 +65,7 @@ class SolvedMotion:
         if len(self.velocity):
             self.velocity[:] = state["velocity"]
         try:
-            error = self.scheme(self, dt)
+            error = self.scheme(self, dt)  # the integrator's `step`, which calls back `solve`
         except NotSolved:
             take_back(self.equations, state, start)
         done = self.outcome
@@ -126,7 +126,7 @@ class SolvedMotion:
 
 
 class LoadStep:
-    """Makes load increments of one run. Implements `Balance` for statics."""
+    """Makes load increments of one run."""
 
     def __init__(self, equations: ImplicitEquations, state: State, tolerance: float, iterations: int) -> None:
         self.equations, self.state = equations, state
@@ -140,7 +140,7 @@ class LoadStep:
         self.relaxation: Relaxation | None = None
 
     def of_stresses(self, diagonal: Floats) -> Floats:
-        """Return all of it: there are no masses."""
+        """Return the part of the `diagonal` (N, 2) [N/mm] of `stiffness` by stresses: all, as there are no masses."""
         return diagonal
 
     def solve(self, dt: float) -> Outcome:
@@ -213,9 +213,9 @@ class LoadStep:
             displacement[:] = before
         elif contact is not None:
             contact.evaluate(equations.position)
-            conditions = contact.conditions
-            np.multiply(expected.pressure, conditions.measure, out=conditions.force)
-            conditions.force[:, ~conditions.present] = 0.0
+            conditions, y = contact.conditions, self.iteration.trial.multipliers
+            np.multiply(expected.pressure, conditions.measure, out=y)
+            y[:, ~conditions.present] = 0.0
 
     def _reachable(self, before: Floats) -> bool:
         """Return whether potentials allow the motion from the displacement `before` (N, 2) [mm] to the present one."""
@@ -239,7 +239,7 @@ class LoadStep:
         self.ledger.end(self.external, own.normal, own.tangential, rubbed)
         self.equations.accept()
 
-    # --- Balance --------------------------------------------------------------------------------
+    # --- called by the iteration ------------------------------------------------------------------
 
     def update_stresses(self, dt: float) -> None:
         """Compute stresses at the end of the step."""

@@ -55,7 +55,7 @@ class StepStart:
 
 
 class TimeStep:
-    """Makes steps in time. Implements `Balance` for dynamics.
+    """Makes steps in time.
 
     share       point of the step at which stresses are taken
     resistance  [1/s^2] derivative of forces of inertia and damping by the motion, over the mass
@@ -120,7 +120,7 @@ class TimeStep:
         self.resistance = scheme.inertia + scheme.at * self.damping * scheme.rate
         self.weight = round(0.5 * dt**2 * scheme.inertia, DIGITS)
 
-    # --- Balance --------------------------------------------------------------------------------
+    # --- called by the iteration ------------------------------------------------------------------
 
     def update_stresses(self, dt: float) -> None:
         """Compute stresses in the middle of the step, or later by the scheme's `lead`."""
@@ -174,7 +174,7 @@ class TimeStep:
         return matrix
 
     def of_stresses(self, diagonal: Floats) -> Floats:
-        """See `Balance`."""
+        """Return the part of the `diagonal` (N, 2) [N/mm] of `stiffness` by stresses."""
         return (self.weight * diagonal - self.resistance * self.mass) / self.share
 
     # --- the end of a step ----------------------------------------------------------------------
@@ -254,7 +254,8 @@ class TimeStep:
             force += tangential
             work[FRICTION] += np.vdot(tangential, moved) + found.rubbed
             work[SLIP] += contact.dissipation() - found.rubbed
-        contact.conditions.force += found.each / self.dt
+        multipliers = self.iteration.trial.multipliers
+        multipliers += found.each / self.dt
         # supports hold the impulses on prescribed nodes
         held = self.held
         impulse = found.nodal.reshape(-1)[held]

@@ -7,11 +7,15 @@ through each other, or contact states cycle.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from contactlab.api import Conditions, Floats, ImplicitContact, ImplicitEquations, Ints, Response, State
+
+if TYPE_CHECKING:
+    from contactlab.implicit.motion import LoadStep
+    from contactlab.implicit.time_step import TimeStep
 
 STUCK = 1e6  # coefficient of friction of surfaces that are to stick
 DEEPEST = 1.0  # segment lengths that a correction may push a surface into the other
@@ -25,25 +29,10 @@ ROUND_OFF = 8.0 * float(np.finfo(float).eps)  # of the force of the largest disp
 LOOSER = 1e-3  # weight of a constraint residual against an unbalanced force, whose error affects all nodes
 
 
-class Balance(Protocol):
-    """The forces of a step, their derivative and the stresses behind them."""
-
-    def update_stresses(self, dt: float) -> None:
-        """Compute stresses at the trial displacements of a step of length dt [s]."""
-
-    def unbalanced(self, out: Floats) -> tuple[Floats, ...]:
-        """Fill `out` (N, 2) with external and contact forces minus all others. Return the forces by kind."""
-
-    def stiffness(self, dt: float) -> Any:
-        """Return the derivative of minus the unbalanced forces without contact, (2N, 2N) CSC."""
-
-    def of_stresses(self, diagonal: Floats) -> Floats:
-        """Return the part of the `diagonal` (N, 2) [N/mm] of `stiffness` by stresses."""
-
-
 class Trial:
     """Displacements `u` and multipliers of the state, changed in place, and derived quantities.
 
+    balance   the step that is iterated: it gives stresses, unbalanced forces and their derivative without contact
     force     (N, 2) [N] unbalanced forces
     parts     the terms of these forces, by kind
     response  response of the enforcement to the contact constraints
@@ -51,7 +40,7 @@ class Trial:
     sticks    True while all surfaces with friction and pressure stick, whatever their bounds are
     """
 
-    def __init__(self, equations: ImplicitEquations, state: State, balance: Balance) -> None:
+    def __init__(self, equations: ImplicitEquations, state: State, balance: LoadStep | TimeStep) -> None:
         self.equations, self.balance, self.contact = equations, balance, equations.contact
         self.u, self.held = state["displacement"], equations.prescribed.dof
         self.sticks = False
@@ -63,7 +52,7 @@ class Trial:
 
     @property
     def multipliers(self) -> Floats:
-        """Nodal contact forces (r, k) [N] of the trial; (1, 0) without contact."""
+        """Nodal contact forces (r, k) [N] of the trial, see `ImplicitContactSystem`; (1, 0) without contact."""
         return self.contact.conditions.force if self.contact is not None else self._none
 
     def still_to_move(self, target: Floats) -> Floats:
@@ -222,8 +211,8 @@ class LineSearch:
         """Return the fraction of a correction at which a constraint penetrates too deep; 1 if none does."""
         contact = self.trial.contact
         assert contact is not None
-        conditions, length = contact.conditions, 1.0
-        force = conditions.force.copy()
+        conditions, length, y = contact.conditions, 1.0, self.trial.multipliers
+        before = y.copy()
         for piece in range(1, pieces + 1):
             contact.evaluate(place + piece / pieces * du)
             depth = np.divide(
@@ -232,7 +221,7 @@ class LineSearch:
             if depth.max() > DEEPEST:
                 length = (piece - 1 if depth.max() > 2.0 * DEEPEST and piece > 1 else piece) / pieces
                 break
-        conditions.force[:] = force
+        y[:] = before
         return length
 
 
