@@ -100,7 +100,7 @@ def linearised(pair: ContactPair, nodes: int, consistent: bool = False, whole_st
         if pair.corners is not None:
             from contactlab.contact.taken_linearisation import TakenLinearisation
 
-            found = TakenLinearisation(found, pair.corners)
+            found = TakenLinearisation(found, pair.corners)  # passes through unless a corner is touched
     if whole_steps:
         from contactlab.contact.step_rows import StepRows
 
@@ -109,7 +109,11 @@ def linearised(pair: ContactPair, nodes: int, consistent: bool = False, whole_st
 
 
 class PairLinearisation(Linearisation):
-    """Linearisation of a pair whose algorithm gives operators, with forces along weights and frozen normals."""
+    """Linearisation of a pair whose algorithm gives operators, with forces P^T q along weights and normals.
+
+    Only their directions are called frozen: they are nu . P, not all of d g. Derivatives of gaps, slips and forces
+    contain the changes of weights and normals.
+    """
 
     pair: OperatorPair
 
@@ -156,7 +160,13 @@ class PairLinearisation(Linearisation):
     def _changes(
         self, chosen: Ints, directions: list[Floats], inverse: Entries, pieces: PieceDerivatives, wanted: Floats
     ) -> Any:
-        """Return derivatives of gaps by weights and normals (c, 2N); with friction the derivatives of slips follow."""
+        """Return derivatives of gaps by weights and normals (c, 2N); with friction the derivatives of slips follow.
+
+            d g - nu . P dx = nu . T^-T w + dnu . r,          w = dD^T x - dM^T y - dT^T r
+            d s - tau . P dx = tau . T^-T w + dtau . r - tau_0 . T^-T w_0
+
+        w_0 belongs to the positions and separations at the start of the step, tau_0 to its normals.
+        """
         pair, separation, own = self.pair, self.pair.separation, (chosen, chosen, np.ones(len(chosen)))
         changes = [self._weight_changes(pieces, wanted, pair.at, separation), self._normal_changes(pieces)]
         # (kind, change): each kind of rows, gaps and slips, is a sum of parts times changes

@@ -125,7 +125,8 @@ class OperatorPair(ContactPair):
         pieces = self.pieces
         view = self.seen(memory)
         before = copies(view) if self._unchecked else {}
-        count = self.algorithm.pieces(view, pieces)  # of a mortar: `contactlab.formulas.segment_kernels.pieces`
+        # of a mortar the kernel `contactlab.formulas.segment_kernels.pieces`; the methods between only bind arrays
+        count = self.algorithm.pieces(view, pieces)
         if before:
             refuse_written(view, before, self.algorithm, "pieces")
         if before or type(count) is not int or not 0 <= count <= len(pieces.slave):
@@ -187,10 +188,11 @@ class OperatorPair(ContactPair):
     def derivatives(self, memory: Floats) -> PieceDerivatives:
         """Return derivatives of the integration segments at their present positions; the same object every call.
 
-        They come from the algorithm, of a mortar `contactlab.formulas.segment_derivatives`, or from differences.
+        They come from the algorithm, or from differences.
         """
         room = OWN_ENTRIES * self.count * sum(self.widths), 20 * self.slots + OWN_NORMALS * self.count
         found = self.room_for_derivatives(*room)
+        # of a mortar the kernel `contactlab.formulas.segment_derivatives.piece_derivatives`
         if not self.algorithm.derivatives(self.seen(memory), self.pieces, self.count, found):
             if self._differences is None:
                 from contactlab.contact.differences import Differences

@@ -254,7 +254,7 @@ class BoundIntegrator:
             _refuse_step(count, time, dt)
         for prepare in self.begin:
             prepare(after, dt)
-        done = self.advance(dt)
+        done = self.advance(dt)  # by default `SolvedMotion.advance`, in explicit runs `ExplicitMotion.advance`
         if type(done) is not Step:
             raise WrongAnswer(f"{self.name}: its step gave {type(done).__name__}, needed: Step")
         if clock[0] != time or clock[1] != count:

@@ -28,7 +28,8 @@ class ExplicitMotion:
     A kick is made together with the contact and the drift after it, so that prescribed motion ends as it
     should and every force works with the mean of the velocities before and after.
 
-    mobility   (N, 2) [1/t] inverse masses, 0 if motion is prescribed
+    mobility   (N, 2) [1/t] inverse masses 1/m, 0 if motion is prescribed
+    compliance (N, 2) [mm/N] displacement per contact force: dt T/m, T the duration of the kick, less by its damping
     start      time [s] at the start of the step
     duration   of the pending kick [s]; 0 without one; `touched` of the last kick with contact
     moved      time [s] that positions have moved in this step; `kicked` the sum of its kicks
@@ -74,7 +75,7 @@ class ExplicitMotion:
         return self.done if error is None else self.done._replace(error=error)
 
     def kick(self, duration: float) -> None:
-        """See `contactlab.api.Motion`."""
+        """Note a pending kick: `contact` predicts with it, and `drift` applies it; see `contactlab.api.Motion`."""
         if not duration > 0.0:
             raise WrongAnswer(f"{self.name}: its step kicks for {duration:.6g} s, needed: a positive time")
         if self.duration > 0.0:
@@ -244,7 +245,7 @@ def predict(bound: int, loaded: bool, alpha: float, dt: float, duration: float) 
 
 
 @kernel
-def _push(trial: Floats, compliance: Floats, contact: Floats, rate: float) -> None:
+def _add_contact_velocity(trial: Floats, compliance: Floats, contact: Floats, rate: float) -> None:
     for i in range(trial.size):
         trial[i] += rate * (compliance[i] * contact[i])
 
@@ -281,7 +282,7 @@ def correct(bound: int, loaded: bool, alpha: float, dt: float, duration: float) 
     """Add the contact forces' share of `trial`, move the nodes, and book the only kick of a step."""
     m: MotionTable = unpack(bound, MotionTable)  # type: ignore[call-arg]
     _keep(m)
-    _push(m.trial, m.compliance, m.contact, 1.0 / dt)
+    _add_contact_velocity(m.trial, m.compliance, m.contact, 1.0 / dt)
     _advance(m.trial, m.velocity, m.displacement, dt)
     _book(m, loaded, True, alpha, duration, 1.0)
 

@@ -6,7 +6,7 @@ any does, and A is as well conditioned as the compliances are alike, so that a d
 
 Both forms of rows share the solver: `FactoredRows`, whose products use a band of A if rows share nodes with their
 neighbours alone (`factored_product`), and `FactoredGradients`, whose products go through the nodes. `product(held, y,
-out)` gives the changes of the gaps (k,) by forces y (k,), and `push(held, y)` leaves nodal forces in `held.nodal`.
+out)` gives the changes of the gaps (k,) by forces y (k,), and `nodal_forces(held, y)` leaves G^T y in `held.nodal`.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ def solve_gradients(count, rows, compliance, multipliers, force, tolerance, limi
             scale[i] += nx * soft[f.own[i], 0] + ny * soft[f.own[i], 1]
     held = Gradients(rows, soft, np.empty((nodes.size, 2)), np.empty(rows.used[1]), np.empty((2, count)))
     passes, residual, largest = _solve(
-        held, _product, _push, f, nodes, scale, compliance, multipliers, force,
+        held, _product, _nodal_forces, f, nodes, scale, compliance, multipliers, force,
         (tolerance, BEYOND_GRADIENTS * tolerance), limit, False,
     )  # fmt: skip
     if residual <= tolerance:
@@ -98,7 +98,7 @@ def solve_gradients(count, rows, compliance, multipliers, force, tolerance, limi
 
 
 @section
-def _push(held, y):
+def _nodal_forces(held, y):
     nodes_pushed(held.rows, y, held.nodal, held.moment, held.carried)
 
 
@@ -112,7 +112,7 @@ def _product(held, y, out):
 
 
 @section
-def _solve(held, product, push, factors, nodes, scale, compliance, multipliers, force, goals, limit, keep):
+def _solve(held, product, nodal_forces, factors, nodes, scale, compliance, multipliers, force, goals, limit, keep):
     """Solve for rows of either form: `factors` are their `FactoredRows`, `nodes` (L,) the global nodes."""
     y, tolerance = np.empty(scale.size), goals[0]
     for i in range(y.size):
@@ -122,7 +122,7 @@ def _solve(held, product, push, factors, nodes, scale, compliance, multipliers, 
     passes, residual = _sets(held, product, factors, y, scale, goals, limit, keep)
     if residual > tolerance:
         return passes, residual, 0.0
-    push(held, y)
+    nodal_forces(held, y)
     force[:] = 0.0
     multipliers[:] = 0.0
     largest, nodal = 0.0, held.nodal

@@ -149,8 +149,8 @@ def place(bound, positions, compliance, force, pushed):
     take(positions, at.slave, at.slave_at)
     take(positions, at.master, at.master_at)
     if pushed:
-        _push(compliance, force, at.slave, at.slave_at)
-        _push(compliance, force, at.master, at.master_at)
+        _add_motion(compliance, force, at.slave, at.slave_at)
+        _add_motion(compliance, force, at.master, at.master_at)
     c, full = pair.coupling, pair.coupling.full
     tributary_lengths(at.slave_at, at.segments, at.node_segments, full)
     for i in range(c.absent.size):  # half the length of nodes without multiplier goes to each adjacent node with one
@@ -162,7 +162,8 @@ def place(bound, positions, compliance, force, pushed):
 
 
 @kernel
-def _push(compliance, force, nodes, at):
+def _add_motion(compliance, force, nodes, at):
+    """Add compliance * force to the positions `at` of some nodes."""
     for i in range(nodes.size):
         n = nodes[i]
         for c in range(2):

@@ -111,6 +111,7 @@ class BodyForces:
         first_thread: int = 0,
     ) -> None:
         self.body = body
+        # the element's own (Q1: `contactlab_quads.q1_kernels`), or the generic ones of `contactlab.kernels.cells`
         self.kernels = element_kernels(body.element, body.material.kinematics)
         self.shape = shape
         self.geometry, self.field, self.force, self.history = geometry, field, force, history
@@ -150,7 +151,7 @@ class BodyForces:
             gradient(geometry, field, conn, g, scratch)
             if rate:
                 midpoint(g)
-            stress_of(g, history, dt, sigma, new_history)
+            stress_of(g, history, dt, sigma, new_history)  # the law's formula over all points, or its `stress_by_hand`
             force(geometry, conn, sigma, nodal, scratch)
 
         return update if self.kernels.stabilise is None else self._stabilised(update, conn, scratch)

@@ -121,7 +121,10 @@ def contact_pair(
 
 
 def all_passes(plans: tuple[ContactPlan, ...]) -> tuple[ContactPlan, ...]:
-    """Return the contacts, then points at corners of their masters, and second passes of two half passes."""
+    """Return the contacts, then points at corners of their masters, and second passes of two half passes.
+
+    Ends of an open chain are corners, too: most masters have points, idle until a corner is pressed.
+    """
     second = [
         replace(
             p, name=f"{p.name}.exchanged", slave=p.exchanged[0], master=p.exchanged[1], sides=p.sides[::-1], second=True
