@@ -39,6 +39,7 @@ _DECLARED = {
     "half": "    points_press: ClassVar[bool] = True\n",
 }
 _TWO = {"passes": 2}
+_MIDPLANE = "    @formula\n    def normal("
 _FOOT = '''    passes_patch_test: ClassVar[bool] = False
 
     @formula
@@ -165,29 +166,33 @@ CONTACT = (
     ),
     *_of(
         "contact", "midplane",
-        ("forces that stay at the vertices", "return np.asarray(polygon(view).T @ self._overlaps(view, positions).derivative())", "return self._overlaps(view, positions).derivative()"),
-        ("friction that drives", "size = np.where(", "size = -np.where("),
-        ("ignores mu", "view.friction.coefficient * force", "1.0 * force"),
-        ("friction without stiffness", "rise = 2.0 * bound", "rise = 0.0 * bound"),
-        ("slip from the beginning of the run", "positions - view.start", "positions - view.reference"),
-        ("shear turned round", "-np.stack([pressed[:m], rubbed[:m]])", "np.stack([-pressed[:m], rubbed[:m]])"),
-        ("shows twice the push", "pressed[:m], rubbed", "2.0 * pressed[:m], rubbed"),
-        ("a stiffness without a unit", "k = self.stiffness / sum(", "k = 1e5 * self.stiffness + 0.0 * sum("),
-        ("lengths of now", "(vertices @ view.reference)", "(vertices @ positions)", "midplane_nodes"),
-        ("cuts all corrections", "share, most = 1.0,", "share, most = 0.5,"),
-        ("both sides of an edge count as straight", "[-1 / 6, -1 / 6, 1 / 3]", "[0.0, 0.0, 0.0]", "midplane_nodes"),
-        ("forces beyond the edge of contact are lost", "np.add.at(all_of, there[small], given[here[small]])", "pass", "midplane_nodes"),
-        ("the energy of twice the overlap", "/ (6.0 * k), 0.5 * size", "/ (3.0 * k), 0.5 * size", "midplane_kernels"),
-        ("forces at the other end", "begin * (2.0 * p + q) + end * (p + 2.0 * q)", "end * (2.0 * p + q) + begin * (p + 2.0 * q)", "midplane_kernels"),
-        ("the mean line turns with one side", "half = 0.5 * (", "half = 1.0 * (", "midplane_kernels"),
-        ("feet along the mean line", "((c - a) @ ab) / square", "s[1] / s[0]", "midplane_kernels"),
-        ("vertices cut without a force", "edge = length / (", "edge = 0.0 * length / (", "midplane_kernels"),
-        ("ends of chains pull", "BEYOND = 0.1", "BEYOND = 0.0", "midplane_kernels"),
-        ("rubs along the normal", "part_of * along.x, part_of * along.y", "part_of * along.y, -part_of * along.x", "midplane_kernels"),
-        ("rubs one side alone", "(1.0 - xi, xi, eta - 1.0, -eta)", "(1.0 - xi, xi, 0.0, 0.0)", "midplane_kernels"),
-        ("rubs twice", "force[count] = 0.5 * length", "force[count] = length", "midplane_kernels"),
-        ("parts that are open pull", "if p_low < 0.0 < p_high:", "if p_low < -1e30:", "midplane_kernels"),
-        ("counts one side alone", "return one + two, a_1 + a_2, b_1 + b_2, c_1 + c_2, d_1 + d_2", "return one, a_1, b_1, c_1, d_1", "midplane_kernels"),
+        ("normals into the body", "return (own.edge()", "return -(own.edge()"),
+        ("normals as long as segments", "(own.edge().unit() + other.edge().unit()).unit().turned()", "(own.edge() + other.edge()).turned()"),
+        ("every part is a whole segment", "return max(0.0, first), min(1.0, last)", "return 0.0 * first, 1.0 + 0.0 * last"),
+        ("parts beyond their segment", "return max(0.0, first), min(1.0, last)", "return first, last"),
+        ("half segments", "min(1.0, last)", "min(0.5, last)"),
+        ("one foot for two", "own.foot(other.end)", "own.foot(other.start) + 1.0"),
+        ("ends of sides pull", "BEYOND = 0.1", "BEYOND = 0.0"),
+        ("ends are cut off", "first = first - spare", "first = first + spare"),
+        ("one pressure for every overlap", "stiffness * gap * gap", "stiffness * abs(gap)"),
+        ("a stiffness without a unit", "p.stiffness * stiffness", "1e5 * p.stiffness"),
+        ("ignores its stiffness", "0.5 * p.stiffness", "15.0"),
+        ("surfaces attract", "return 0.5 * p", "return -0.5 * p"),
+        *(
+            (says, _MIDPLANE, f"    def {method}:\n        {body}\n\n{_MIDPLANE}")
+            for says, method, body in (
+                ("pulls from afar", "begins(self, view)", "return 1.0"),
+                ("cuts all corrections", "largest_step(self, view, positions, displacement)", "return 0.5 * super().largest_step(view, positions, displacement)"),
+                ("presses one side alone", "gradient(self, view, positions)", "return super().gradient(view, positions) * (np.arange(len(positions)) < len(view.slave.nodes))[:, None]"),
+                ("half the stiffness", "hessian(self, view, positions)", "return 0.5 * super().hessian(view, positions)"),
+                ("friction that drives", "friction_gradient(self, view, positions)", "return -super().friction_gradient(view, positions)"),
+                ("friction without stiffness", "friction_hessian(self, view, positions)", "return 0.0 * super().friction_hessian(view, positions)"),
+                ("slip from the beginning of the run", "friction_gradient(self, view, positions)", "return super().friction_gradient(view._replace(start=view.reference), positions)"),
+                ("rubs one side alone", "friction_gradient(self, view, positions)", "return super().friction_gradient(view, positions) * (np.arange(len(positions)) < len(view.slave.nodes))[:, None]"),
+                ("shear turned round", "nodal_forces(self, view, positions)", "found = super().nodal_forces(view, positions)\n        return found._replace(rub=-found.rub)"),
+                ("shows twice the push", "nodal_forces(self, view, positions)", "found = super().nodal_forces(view, positions)\n        return found._replace(push=2.0 * found.push)"),
+            )
+        ),
     ),
 )  # fmt: skip
 

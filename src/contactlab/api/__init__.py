@@ -50,6 +50,7 @@ from contactlab.api.record import Record
 from contactlab.api.recorder import Recorder, Recording
 from contactlab.api.reference import ReferenceSolution, Scalar, Solution
 from contactlab.api.segment_contact import SegmentContact
+from contactlab.api.segment_potential import SegmentPotential
 from contactlab.api.segments import Overlap
 from contactlab.api.state import WORK, State
 from contactlab.api.step import Iteration, Step, StepControl, StepStatus
@@ -145,6 +146,7 @@ __all__ = [
     "RunWarning",
     "Scalar",
     "SegmentContact",
+    "SegmentPotential",
     "Setup",
     "Shape",
     "Solution",

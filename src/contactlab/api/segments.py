@@ -1,4 +1,4 @@
-"""Arguments of contact formulas: points and segments of the slave, segments of the master, and overlaps."""
+"""Arguments of contact formulas: points and segments of the slave, segments of the master or of any side, overlaps."""
 
 from __future__ import annotations
 
@@ -87,6 +87,38 @@ class SlaveSegment(NamedTuple):
         normal, edge, point = self.normal_at(xi), master.edge(), self.at(xi)
         x, y = point.x - master.start.x, point.y - master.start.y
         return (x * normal.y - y * normal.x) / (edge.x * normal.y - edge.y * normal.x)
+
+
+class SideSegment(NamedTuple):
+    """A segment of either side; its body lies on its left if it is `own`, on its right if it is `other`.
+
+    start, end    [mm] positions of its ends; a point is at(xi), xi from 0 to 1
+    length        [mm] undeformed
+    begins, ends  whether the side begins at its start, and ends at its end
+    """
+
+    start: Vector
+    end: Vector
+    length: float
+    begins: bool
+    ends: bool
+
+    def edge(self) -> Vector:
+        """Return the vector from its start to its end [mm]."""
+        return self.end - self.start
+
+    def at(self, xi: Number) -> Vector:
+        """Return the point at xi [mm]."""
+        return self.start + xi * (self.end - self.start)  # type: ignore[no-any-return]
+
+    def foot(self, point: Vector) -> Number:
+        """Return xi of the point of its line that is next to a point."""
+        edge = self.end - self.start
+        return ((point - self.start) @ edge) / (edge @ edge)
+
+    def back(self) -> SideSegment:
+        """Return the segment from its end to its start."""
+        return SideSegment(self.end, self.start, self.length, self.ends, self.begins)
 
 
 class Overlap(NamedTuple):

@@ -13,12 +13,12 @@ import pytest
 from tiers import some
 
 from contactlab.api import UNIT, Tensor, Vector, formula
-from contactlab.api.compiled.dual import derivatives, seed, value
+from contactlab.api.compiled.dual import changes, derivatives, seed, seed_changing, value
 from contactlab.api.compiled.formulas import FormulaError, Slot, made
 from contactlab.api.compiled.kernel import kernel
 from contactlab.api.formulas import members_of
 from contactlab.api.mathematics import DualNumber, seeds
-from contactlab.api.segments import Covered, MasterSegment, Overlap, SlavePoint, SlaveSegment
+from contactlab.api.segments import Covered, MasterSegment, Overlap, SideSegment, SlavePoint, SlaveSegment
 
 FORMULA = Slot("FORMULA")
 
@@ -41,6 +41,14 @@ def of_twelve(x, out):
     changes = derivatives(found, 12)
     for i in range(12):
         out[i] = changes[i]
+
+
+@kernel
+def of_changing(x, out):
+    for i in range(2):
+        found = FORMULA(seed_changing(x[0], 0, 4, 1.0 - i), seed_changing(x[1], 1, 4, 1.0 * i))
+        first, second, third, fourth = changes(found, 4)
+        out[i, 0], out[i, 1], out[i, 2], out[i, 3] = first, second, third, fourth
 
 
 def invariant(x: Any, y: Any) -> Any:
@@ -117,6 +125,23 @@ def test_derivatives_are_those_of_the_function(name: str) -> None:
     assert function(0.7, 1.3) == pytest.approx(out[0], rel=1e-14)
 
 
+@pytest.mark.parametrize("name", some(CASES, ["powers", "angles", "invariant"]))
+def test_changes_of_derivatives_are_second_derivatives(name: str) -> None:
+    """Against central differences of the first ones; symmetric to round-off."""
+    function = formula(CASES[name])
+    differentiated, changing = (made(one, f"test.{name}", {FORMULA: function}) for one in (of_duals, of_changing))
+    step, at, out, expected = 1e-6, np.array([0.7, 1.3]), np.empty((2, 4)), np.empty((2, 2))
+    changing(at, out)
+    for i in range(2):
+        low, high, along = np.empty(5), np.empty(5), step * np.eye(2)[i]
+        differentiated(at - along, low)
+        differentiated(at + along, high)
+        expected[i] = (high - low)[1:3] / (2.0 * step)
+    np.testing.assert_allclose(out[:, :2], expected, rtol=1e-8, atol=1e-8)  # differences keep ten of sixteen digits
+    assert out[0, 1] == pytest.approx(out[1, 0], rel=1e-13, abs=1e-15)
+    assert not out[:, 2:].any()
+
+
 def test_twelve_directions_are_kept_apart() -> None:
     out = np.empty(12)
     made(of_twelve, "test.twelve", {FORMULA: formula(CASES["products"])})(np.array([0.7, 1.3]), out)
@@ -172,7 +197,7 @@ def test_a_name_that_is_nowhere_is_named_with_its_formula() -> None:
         made(of_duals, "test.misspelt", {FORMULA: formula(misspelt)})(np.ones(2), np.empty(5))
 
 
-@pytest.mark.parametrize("kind", [Vector, SlaveSegment, SlavePoint, MasterSegment, Overlap, Covered])
+@pytest.mark.parametrize("kind", [Vector, SlaveSegment, SlavePoint, MasterSegment, Overlap, Covered, SideSegment])
 def test_the_page_of_contact_names_all_that_its_formulas_see(kind: type[Any]) -> None:
     page = (Path(__file__).parents[3] / "docs" / "parts" / "contact.md").read_text()
     (row,) = re.findall(rf"^\| `{kind.__name__}` \|.*$", page, re.MULTILINE)

@@ -3,6 +3,8 @@
 Four derivatives share a vector register, so an operation costs one instruction for the value and one to three
 for all derivatives. Comparisons use values: at a kink the derivative is one-sided, on the side of the value.
 
+A *changing* dual number also has the change of all of them along one further direction: second derivatives.
+
 Arithmetic is defined for numbers, dual numbers, and the vectors and tensors of `contactlab.api.tensors` of either.
 """
 
@@ -21,7 +23,10 @@ from numba.extending import intrinsic, models, register_model
 
 from contactlab.api.tensors import Tensor, Vector
 
-__all__ = ["DIRECTIONS", "Dual", "constant", "derivatives", "follow", "follow_two", "seed", "value"]
+__all__ = [
+    "DIRECTIONS", "Dual", "changes", "constant", "derivatives", "follow", "follow_two", "inner", "seed",
+    "seed_changing", "value",
+]  # fmt: skip
 
 DIRECTIONS = (4, 8, 12)
 LANES = 4
@@ -33,9 +38,9 @@ _I32 = ir.IntType(32)
 class Dual(types.Type):
     """The type of a dual number with a given number of directions."""
 
-    def __init__(self, directions: int) -> None:
-        self.directions = directions
-        super().__init__(f"dual number with {directions} directions")
+    def __init__(self, directions: int, changing: bool = False) -> None:
+        self.directions, self.changing = directions, changing
+        super().__init__(f"{'changing ' if changing else ''}dual number with {directions} directions")
 
     @property
     def registers(self) -> int:
@@ -52,6 +57,7 @@ class Dual(types.Type):
 
 
 _TYPES = {directions: Dual(directions) for directions in DIRECTIONS}
+_CHANGING = {directions: Dual(directions, changing=True) for directions in DIRECTIONS}
 
 
 def _is_number(found: Any) -> bool:
@@ -65,35 +71,89 @@ class _DualModel(models.PrimitiveModel):
 
 
 def _struct(found: Dual) -> Any:
-    return ir.LiteralStructType([_DOUBLE] + [_REGISTER] * found.registers)
+    return ir.LiteralStructType(([_DOUBLE] + [_REGISTER] * found.registers) * (1 + found.changing))
 
 
 # --- components: a number is [value], a dual number [value, register, ...] -----------------------------------------
+# each of a changing dual number is a pair: itself, and its change, None for zero
 
 
 def _pack(builder: Any, found: Dual, components: list[Any]) -> Any:
     out = ir.Constant(_struct(found), ir.Undefined)
+    if found.changing:
+        pairs = [_pair(one) for one in components]
+        components = [x for x, _ in pairs] + [ir.Constant(x.type, None) if dx is None else dx for x, dx in pairs]
     for i, component in enumerate(components):
         out = builder.insert_value(out, component, i)
     return out
 
 
 def _components(context: Any, builder: Any, found: Any, held: Any) -> list[Any]:
-    if isinstance(found, Dual):
-        return [builder.extract_value(held, i) for i in range(1 + found.registers)]
-    return [context.cast(builder, held, found, types.float64)]
+    if not isinstance(found, Dual):
+        return [context.cast(builder, held, found, types.float64)]
+    count = 1 + found.registers
+    parts = [builder.extract_value(held, i) for i in range(count * (1 + found.changing))]
+    return list(zip(parts[:count], parts[count:], strict=True)) if found.changing else parts
+
+
+def _pair(component: Any) -> tuple[Any, Any]:
+    return component if isinstance(component, tuple) else (component, None)
+
+
+class _Changes:
+    """The arithmetic of a builder for pairs: d(xy) = dx y + x dy."""
+
+    def __init__(self, builder: Any) -> None:
+        self.builder = builder
+        self.insert_element, self.shuffle_vector = builder.insert_element, builder.shuffle_vector
+        self.insert_value = builder.insert_value
+
+    def _sum(self, x: Any, y: Any) -> Any:
+        return y if x is None else x if y is None else self.builder.fadd(x, y, flags=_FUSED)
+
+    def _product(self, x: Any, y: Any) -> Any:
+        return None if x is None else self.builder.fmul(x, y, flags=_FUSED)
+
+    def fneg(self, one: Any) -> Any:
+        x, dx = _pair(one)
+        return self.builder.fneg(x), None if dx is None else self.builder.fneg(dx)
+
+    def fadd(self, one: Any, other: Any, flags: Any = ()) -> Any:
+        (x, dx), (y, dy) = _pair(one), _pair(other)
+        return self.builder.fadd(x, y, flags=flags), self._sum(dx, dy)
+
+    def fsub(self, one: Any, other: Any, flags: Any = ()) -> Any:
+        return self.fadd(one, self.fneg(other), flags)
+
+    def fmul(self, one: Any, other: Any, flags: Any = ()) -> Any:
+        (x, dx), (y, dy) = _pair(one), _pair(other)
+        return self.builder.fmul(x, y, flags=flags), self._sum(self._product(dx, y), self._product(dy, x))
+
+    def fdiv(self, one: Any, other: Any, flags: Any = ()) -> Any:
+        (x, dx), (y, dy) = _pair(one), _pair(other)
+        found = self.builder.fdiv(x, y, flags=flags)
+        change = self._sum(dx, self._product(dy, self.builder.fneg(found)))
+        return found, None if change is None else self.builder.fdiv(change, y, flags=flags)
+
+
+def _arithmetic(builder: Any, *found: Any) -> Any:
+    """Return a builder of products and sums of components of these types."""
+    scalars = [one for each in found for one in _scalars(each)]
+    return _Changes(builder) if any(isinstance(one, Dual) and one.changing for one in scalars) else builder
 
 
 def _finished(builder: Any, found: Any, components: list[Any]) -> Any:
     """Return the value of a scalar of type `found`."""
     if not isinstance(found, Dual):
-        return components[0]
+        return _pair(components[0])[0]
     nothing = [ir.Constant(_REGISTER, [0.0] * LANES)] * (1 + found.registers - len(components))
     return _pack(builder, found, components + nothing)
 
 
 def _spread(builder: Any, number: Any) -> Any:
     """Return a register of one number."""
+    if isinstance(number, tuple):
+        return tuple(None if part is None else _spread(builder, part) for part in number)
     undefined = ir.Constant(_REGISTER, ir.Undefined)
     first = builder.insert_element(undefined, number, _I32(0))
     return builder.shuffle_vector(first, undefined, ir.Constant(ir.VectorType(_I32, LANES), [0] * LANES))
@@ -232,15 +292,16 @@ def _define(symbol: Any) -> None:
                 sides.append([_components(context, builder, kind, one) for kind, one in parts])
             else:
                 sides.append([_components(context, builder, found, held)])
+        arithmetic = _arithmetic(builder, *sig.args)
         if symbol is operator.matmul:
-            made = _matrix_product(builder, *sides)
+            made = _matrix_product(arithmetic, *sides)
         else:
             if symbol in _DIVISIONS and len(sides[0]) > 1:  # one division for all components
-                sides[1] = [_quotient(builder, [ir.Constant(_DOUBLE, 1.0)], sides[1][0])]
+                sides[1] = [_quotient(arithmetic, [ir.Constant(_DOUBLE, 1.0)], sides[1][0])]
             most = max(map(len, sides))
             first, second = (side * (most // len(side)) for side in sides)
             element = _product if symbol in _DIVISIONS and most > 1 else _ELEMENT[symbol]
-            made = [element(builder, a, b) for a, b in zip(first, second, strict=True)]
+            made = [element(arithmetic, a, b) for a, b in zip(first, second, strict=True)]
         return _result(context, builder, sig.return_type, made)
 
     for kinds in product((Dual, types.Float, types.Integer, types.BaseNamedTuple), repeat=2):
@@ -272,7 +333,8 @@ def _lower_negative(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     many = isinstance(found, types.BaseNamedTuple)
     held = [builder.extract_value(args[0], i) for i in range(len(found.types))] if many else [args[0]]
     parts = [_components(context, builder, kind, one) for kind, one in zip(_scalars(found), held, strict=True)]
-    return _result(context, builder, found, [_negative(builder, one) for one in parts])
+    arithmetic = _arithmetic(builder, found)
+    return _result(context, builder, found, [_negative(arithmetic, one) for one in parts])
 
 
 def _define_comparison(symbol: Any, sign: str) -> None:
@@ -286,7 +348,7 @@ def _define_comparison(symbol: Any, sign: str) -> None:
     infer_global(symbol)(Template)
 
     def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        a, b = (_components(context, builder, *one)[0] for one in zip(sig.args, args, strict=True))
+        a, b = (_pair(_components(context, builder, *one)[0])[0] for one in zip(sig.args, args, strict=True))
         return builder.fcmp_unordered(sign, a, b) if sign == "!=" else builder.fcmp_ordered(sign, a, b)
 
     for kinds in product((Dual, types.Float, types.Integer), repeat=2):
@@ -353,14 +415,77 @@ def constant(typingctx: Any, x: Any, directions: Any) -> Any:
 
 
 @intrinsic
-def follow(typingctx: Any, found: Any, slope: Any, x: Any) -> Any:
-    """Return the dual number of value `found` that changes by `slope` times the change of x."""
+def inner(typingctx: Any, x: Any) -> Any:
+    """Return the value of a number or a dual number; of a changing one its value and change, a dual number of 4."""
+    if not (isinstance(x, Dual) and x.changing):
+        number = types.float64 if isinstance(x, Dual) else x
+        return number(
+            x
+        ), lambda context, builder, sig, args: builder.extract_value(args[0], 0) if isinstance(x, Dual) else args[0]
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        components = _components(context, builder, x, args[2])
-        return _pack(builder, x, [args[0], *_combined(builder, args[1], components, None, [None])])
+        change = builder.extract_value(args[0], 1 + x.registers)
+        register = builder.insert_element(ir.Constant(_REGISTER, [0.0] * LANES), change, _I32(0))
+        return _pack(builder, _TYPES[LANES], [builder.extract_value(args[0], 0), register])
 
-    return x(types.float64, types.float64, x), codegen
+    return _TYPES[LANES](x), codegen
+
+
+@intrinsic(prefer_literal=True)
+def seed_changing(typingctx: Any, x: Any, direction: Any, directions: Any, change: Any) -> Any:
+    """Return `seed` of the first three arguments as a changing dual number, which changes by `change`."""
+    found, number = _CHANGING[directions.literal_value], direction.literal_value
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        unit = [float(i == number) for i in range(found.directions)]
+        registers = [ir.Constant(_REGISTER, unit[i : i + LANES]) for i in range(0, found.directions, LANES)]
+        at, moved = (
+            context.cast(builder, args[i], (x, direction, directions, change)[i], types.float64) for i in (0, 3)
+        )
+        return _pack(builder, found, [(at, moved), *registers])
+
+    return found(x, direction, directions, change), codegen
+
+
+@intrinsic(prefer_literal=True)
+def changes(typingctx: Any, x: Any, directions: Any) -> Any:
+    """Return the changes of the derivatives by the first `directions`, a constant: a tuple; zeros for other numbers."""
+    count = directions.literal_value
+    found = types.UniTuple(types.float64, count)
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        if not (isinstance(x, Dual) and x.changing):
+            return context.make_tuple(builder, found, [ir.Constant(_DOUBLE, 0.0)] * count)
+        out = []
+        for number in range(count):
+            register = builder.extract_value(args[0], 2 + x.registers + number // LANES)
+            out.append(builder.extract_element(register, _I32(number % LANES)))
+        return context.make_tuple(builder, found, out)
+
+    return found(x, directions), codegen
+
+
+def _inner_component(builder: Any, found: Any, held: Any) -> Any:
+    """Return the component that a number makes, or the dual number of 4 that `inner` returns."""
+    if not isinstance(found, Dual):
+        return held
+    register = builder.extract_value(held, 1)
+    return builder.extract_value(held, 0), builder.extract_element(register, _I32(0))
+
+
+@intrinsic
+def follow(typingctx: Any, found: Any, slope: Any, x: Any) -> Any:
+    """Return the dual number of value `found` that changes by `slope` times the change of x.
+
+    Value and slope are functions of `inner(x)`.
+    """
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        value, by = (_inner_component(builder, *one) for one in zip(sig.args[:2], args[:2], strict=True))
+        components = _components(context, builder, x, args[2])
+        return _pack(builder, x, [value, *_combined(_arithmetic(builder, x), by, components, None, [None])])
+
+    return x(found, slope, x), codegen
 
 
 @intrinsic
@@ -369,7 +494,8 @@ def follow_two(typingctx: Any, found: Any, slope: Any, x: Any, other: Any, y: An
     result = _scalar((x, y))
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        value, one, two = (_inner_component(builder, sig.args[i], args[i]) for i in (0, 1, 3))
         first, second = _components(context, builder, x, args[2]), _components(context, builder, y, args[4])
-        return _pack(builder, result, [args[0], *_combined(builder, args[1], first, args[3], second)])
+        return _pack(builder, result, [value, *_combined(_arithmetic(builder, x, y), one, first, two, second)])
 
-    return result(types.float64, types.float64, x, types.float64, y), codegen
+    return result(found, slope, x, other, y), codegen

@@ -15,7 +15,7 @@ from numba.extending import infer_getattr, overload
 
 from contactlab.api import mathematics
 from contactlab.api.compiled import kernel as kernels
-from contactlab.api.compiled.dual import Dual, follow, follow_two, value
+from contactlab.api.compiled.dual import Dual, follow, follow_two, inner, value
 from contactlab.api.tensors import Tensor, Vector
 
 __all__ = ["exp", "log", "methods_of"]
@@ -30,16 +30,17 @@ def _is_number(x: Any) -> bool:
 
 def _function(name: str, found: Callable[[float], float], slope: Callable[[float, float], float]) -> None:
     """Define a function of one number; `slope` is its derivative, from the number and the function's value there."""
+    function = getattr(mathematics, name)
 
     def of_number(x: Any) -> Any:
         return found(x)
 
     def of_dual(x: Any) -> Any:
-        at = value(x)
-        reached = found(at)
+        at = inner(x)
+        reached = function(at)
         return follow(reached, slope(at, reached), x)
 
-    @overload(getattr(mathematics, name), jit_options=_INLINED, strict=False)
+    @overload(function, jit_options=_INLINED, strict=False)
     def typed(x: Any) -> Any:
         return of_dual if isinstance(x, Dual) else of_number if _is_number(x) else None
 
@@ -52,14 +53,14 @@ _ONE: dict[str, tuple[Any, Any]] = {
     "sqrt": _compiled(lambda x: math.sqrt(x), lambda x, y: 0.5 / y),
     "exp": (exp, *_compiled(lambda x, y: y)),
     "log": (log, *_compiled(lambda x, y: 1.0 / x)),
-    "sin": _compiled(lambda x: math.sin(x), lambda x, y: math.cos(x)),
-    "cos": _compiled(lambda x: math.cos(x), lambda x, y: -math.sin(x)),
+    "sin": _compiled(lambda x: math.sin(x), lambda x, y: mathematics.cos(x)),
+    "cos": _compiled(lambda x: math.cos(x), lambda x, y: -mathematics.sin(x)),
     "tan": _compiled(lambda x: math.tan(x), lambda x, y: 1.0 + y * y),
-    "asin": _compiled(lambda x: math.asin(x), lambda x, y: 1.0 / math.sqrt(1.0 - x * x)),
-    "acos": _compiled(lambda x: math.acos(x), lambda x, y: -1.0 / math.sqrt(1.0 - x * x)),
+    "asin": _compiled(lambda x: math.asin(x), lambda x, y: 1.0 / mathematics.sqrt(1.0 - x * x)),
+    "acos": _compiled(lambda x: math.acos(x), lambda x, y: -1.0 / mathematics.sqrt(1.0 - x * x)),
     "atan": _compiled(lambda x: math.atan(x), lambda x, y: 1.0 / (1.0 + x * x)),
-    "sinh": _compiled(lambda x: math.sinh(x), lambda x, y: math.cosh(x)),
-    "cosh": _compiled(lambda x: math.cosh(x), lambda x, y: math.sinh(x)),
+    "sinh": _compiled(lambda x: math.sinh(x), lambda x, y: mathematics.cosh(x)),
+    "cosh": _compiled(lambda x: math.cosh(x), lambda x, y: mathematics.sinh(x)),
     "tanh": _compiled(lambda x: math.tanh(x), lambda x, y: 1.0 - y * y),
 }
 for _name, (_found, _slope) in _ONE.items():
@@ -77,21 +78,21 @@ def _two(function: Any, of_numbers: Any, of_duals: Any) -> None:
 
 
 def _hypot(x: Any, y: Any) -> Any:
-    a, b = value(x), value(y)
-    found = math.sqrt(a * a + b * b)
+    a, b = inner(x), inner(y)
+    found = mathematics.sqrt(a * a + b * b)
     return follow_two(found, a / found, x, b / found, y)
 
 
 def _atan2(x: Any, y: Any) -> Any:
-    a, b = value(x), value(y)
+    a, b = inner(x), inner(y)
     square = a * a + b * b
-    return follow_two(math.atan2(a, b), b / square, x, -a / square, y)
+    return follow_two(mathematics.atan2(a, b), b / square, x, -a / square, y)
 
 
 def _power(x: Any, y: Any) -> Any:
-    a, b = value(x), value(y)
-    found = a**b
-    return follow_two(found, b * a ** (b - 1.0), x, found * log(a), y)
+    a, b = inner(x), inner(y)
+    found = mathematics.power(a, b)
+    return follow_two(found, b * mathematics.power(a, b - 1.0), x, found * mathematics.log(a), y)
 
 
 def _copysign(x: Any, y: Any) -> Any:
