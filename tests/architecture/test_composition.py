@@ -110,8 +110,8 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {name: (name, {}) for name in dif
 BRANCHES = {
     "contactlab.kernels.contact.corners.take_row",
     "contactlab.kernels.contact.corners.touches",
-    "contactlab.kernels.contact.banded_rows.own_nodes",
-    "contactlab.kernels.contact.banded_rows.solved",
+    "contactlab.kernels.contact.weights.own_nodes",
+    "contactlab.kernels.contact.weights.solved",
     "contactlab.kernels.checks.deepest",
     "contactlab.kernels.contact.passing.passages",
 }

@@ -21,8 +21,7 @@ from contactlab.api.surface import SurfacePositions
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair, turned
 from contactlab.implicit.sparse import compressed, picked, product, summed, total, transposed
-from contactlab.kernels.contact import banded_rows
-from contactlab.kernels.contact import linearisation as kernels
+from contactlab.kernels.contact import weights as kernels
 from contactlab.kernels.contact.pair import BandedRows
 
 Entries = tuple[Ints, Ints, Floats]  # rows, columns, values; entries at the same place are added
@@ -142,7 +141,7 @@ class PairLinearisation(Linearisation):
         directions = [pair.normals] if y_t is None else [pair.normals, turned(pair.normals)]
         traction = self._tractions(y_n, y_t)
         # the chosen rows of T^-T
-        self.inverse = banded_rows.inverse_rows(pair.coupling, self.inverse)
+        self.inverse = kernels.inverse_rows(pair.coupling, self.inverse)
         inverse = entries(chosen, self.inverse, CUT)
         size = np.hypot(*traction.T)
         wanted = size > CUT * max(float(size.max(initial=0.0)), 1e-300)
@@ -321,7 +320,7 @@ def parts_of(y: Floats, pair: ContactPair) -> tuple[Floats, Floats | None]:
 def entries(chosen: Ints, rows: BandedRows, cut: float) -> Entries:
     """Return entries (row, position, value) above `cut` of the chosen rows."""
     out = triplets(int(np.maximum(rows.end[chosen] - rows.start[chosen], 0).sum()))
-    count = banded_rows.entries(chosen, rows, cut, *out)
+    count = kernels.entries(chosen, rows, cut, *out)
     return _first(out, count)
 
 

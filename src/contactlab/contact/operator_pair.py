@@ -28,8 +28,8 @@ from contactlab.contact.corners import Corners
 from contactlab.contact.examination import copies, refuse_written
 from contactlab.contact.pair import ContactPair, ContactSnapshot
 from contactlab.errors import WrongAnswer
-from contactlab.kernels.contact import banded_rows
 from contactlab.kernels.contact import pair as kernels
+from contactlab.kernels.contact import weights as weight_kernels
 from contactlab.kernels.contact.coupling import Coupling
 from contactlab.kernels.contact.pair import FAR, BandedRows, BothSides, PairTable
 from contactlab.kernels.contact.search import SKIN, Near
@@ -229,10 +229,10 @@ class OperatorPair(ContactPair):
         if not self._solved:
             slave, master = self._weights
             if self.coupling.table.single[0]:
-                banded_rows.own_nodes(self.coupling.bound.address, len(self.slave.nodes), slave)
+                weight_kernels.own_nodes(self.coupling.bound.address, len(self.slave.nodes), slave)
             else:
-                slave = banded_rows.rows_of(self.coupling, self.columns.slave, slave)
-            master = banded_rows.rows_of(self.coupling, self.columns.master, master)
+                slave = weight_kernels.rows_of(self.coupling, self.columns.slave, slave)
+            master = weight_kernels.rows_of(self.coupling, self.columns.master, master)
             if slave is not self._weights.slave or master is not self._weights.master:
                 self._weights = BothSides(slave, master)
                 self._bind()

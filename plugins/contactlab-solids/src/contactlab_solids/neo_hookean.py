@@ -59,7 +59,7 @@ class NeoHookean(Material):
         return (shear * (F @ F.T() - UNIT) + first * math.log(J) * UNIT) / J
 
     def stress_by_hand(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
-        """Compute the stress of the formula. Called as `stress` on blocks, in place of the formula."""
+        """Compute the stress of the formula. Called as `stress` on blocks, instead of the formula."""
         # 1.6 times faster: F^-1, which it is given, takes one division less
         late("contactlab_solids.kernels").neo_hookean(gradient, stress, *lame_constants(self.young, self.poisson))
 

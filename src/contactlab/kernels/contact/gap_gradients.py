@@ -10,9 +10,8 @@ import numpy as np
 
 from contactlab.api.compiled.kernel import kernel, section
 from contactlab.api.compiled.unpack import unpack
-from contactlab.kernels.contact.banded_rows import CUT
-from contactlab.kernels.contact.linearisation import weighted_change
 from contactlab.kernels.contact.pair import PairTable
+from contactlab.kernels.contact.weights import CUT, weighted_change
 
 
 @section
