@@ -10,17 +10,12 @@ load step: the mean of elastic and plastic stiffness then makes Newton's iterati
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from contactlab.api import Floats, Ints
 from contactlab.kernels.cells import midpoint
-from contactlab.kernels.tangent import scatter_all
 from contactlab.model.bodies.body import Block, BodyForces
-
-if TYPE_CHECKING:
-    from contactlab.model.bodies.tangent import Pattern
+from contactlab.model.bodies.tangent import Pattern, scatter_all
 
 STEP = 1e-6  # of a cell's size: central differences then err by about 1e-10 of the stiffness
 

@@ -12,9 +12,8 @@ from scipy.sparse import coo_array
 from contactlab.api import Element, Floats, ImplicitIntegrator, Integrator, Ints
 from contactlab.contact.pair import ContactPair
 from contactlab.errors import PartError, SceneError, below
-from contactlab.kernels.tangent import two_point_modulus
 from contactlab.model.bodies.body import Block, Body, BodyForces
-from contactlab.model.bodies.tangent import KIND, follows_tables
+from contactlab.model.bodies.tangent import KIND, follows_tables, two_point_modulus
 from contactlab.model.contact.cells_behind import edges_behind
 from contactlab.model.loading.edge_sets import edge_set
 
