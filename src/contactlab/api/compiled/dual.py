@@ -17,10 +17,31 @@ from typing import Any
 from llvmlite import ir
 from numba import types
 from numba.core.imputils import lower_builtin, lower_cast
-from numba.core.typeconv import Conversion
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
-from numba.extending import intrinsic, models, register_model
+from numba.extending import intrinsic
 
+from contactlab.api.compiled.dual_components import (
+    CHANGING,
+    DIRECTIONS,
+    DOUBLE,
+    INDEX,
+    LANES,
+    REGISTER,
+    TYPES,
+    Dual,
+    arithmetic_of,
+    combined,
+    components_of,
+    difference,
+    finished,
+    is_number,
+    negative,
+    pack,
+    pair,
+    product_of,
+    quotient,
+    total,
+)
 from contactlab.api.tensors import Tensor, Vector
 
 __all__ = [
@@ -28,180 +49,11 @@ __all__ = [
     "seed_changing", "value",
 ]  # fmt: skip
 
-DIRECTIONS = (4, 8, 12)
-LANES = 4
-_DOUBLE, _REGISTER = ir.DoubleType(), ir.VectorType(ir.DoubleType(), LANES)
-_FUSED = ("contract",)
-_I32 = ir.IntType(32)
-
-
-class Dual(types.Type):
-    """The type of a dual number with a given number of directions."""
-
-    def __init__(self, directions: int, changing: bool = False) -> None:
-        self.directions, self.changing = directions, changing
-        super().__init__(f"{'changing ' if changing else ''}dual number with {directions} directions")
-
-    @property
-    def registers(self) -> int:
-        """Number of vectors of four derivatives."""
-        return self.directions // LANES
-
-    def can_convert_from(self, typingctx: Any, other: Any) -> Any:
-        """Treat a number as a dual number without derivatives."""
-        return Conversion.safe if _is_number(other) else None
-
-    def unify(self, typingctx: Any, other: Any) -> Any:
-        """Return the type of a variable that is sometimes a number."""
-        return self if _is_number(other) else None
-
-
-_TYPES = {directions: Dual(directions) for directions in DIRECTIONS}
-_CHANGING = {directions: Dual(directions, changing=True) for directions in DIRECTIONS}
-
-
-def _is_number(found: Any) -> bool:
-    return isinstance(found, types.Float | types.Integer)
-
-
-@register_model(Dual)
-class _DualModel(models.PrimitiveModel):
-    def __init__(self, dmm: Any, fe_type: Dual) -> None:
-        super().__init__(dmm, fe_type, _struct(fe_type))
-
-
-def _struct(found: Dual) -> Any:
-    return ir.LiteralStructType(([_DOUBLE] + [_REGISTER] * found.registers) * (1 + found.changing))
-
-
-# --- components: a number is [value], a dual number [value, register, ...] -----------------------------------------
-# each of a changing dual number is a pair: itself, and its change, None for zero
-
-
-def _pack(builder: Any, found: Dual, components: list[Any]) -> Any:
-    out = ir.Constant(_struct(found), ir.Undefined)
-    if found.changing:
-        pairs = [_pair(one) for one in components]
-        components = [x for x, _ in pairs] + [ir.Constant(x.type, None) if dx is None else dx for x, dx in pairs]
-    for i, component in enumerate(components):
-        out = builder.insert_value(out, component, i)
-    return out
-
-
-def _components(context: Any, builder: Any, found: Any, held: Any) -> list[Any]:
-    if not isinstance(found, Dual):
-        return [context.cast(builder, held, found, types.float64)]
-    count = 1 + found.registers
-    parts = [builder.extract_value(held, i) for i in range(count * (1 + found.changing))]
-    return list(zip(parts[:count], parts[count:], strict=True)) if found.changing else parts
-
-
-def _pair(component: Any) -> tuple[Any, Any]:
-    return component if isinstance(component, tuple) else (component, None)
-
-
-class _Changes:
-    """The arithmetic of a builder for pairs: d(xy) = dx y + x dy."""
-
-    def __init__(self, builder: Any) -> None:
-        self.builder = builder
-        self.insert_element, self.shuffle_vector = builder.insert_element, builder.shuffle_vector
-        self.insert_value = builder.insert_value
-
-    def _sum(self, x: Any, y: Any) -> Any:
-        return y if x is None else x if y is None else self.builder.fadd(x, y, flags=_FUSED)
-
-    def _product(self, x: Any, y: Any) -> Any:
-        return None if x is None else self.builder.fmul(x, y, flags=_FUSED)
-
-    def fneg(self, one: Any) -> Any:
-        x, dx = _pair(one)
-        return self.builder.fneg(x), None if dx is None else self.builder.fneg(dx)
-
-    def fadd(self, one: Any, other: Any, flags: Any = ()) -> Any:
-        (x, dx), (y, dy) = _pair(one), _pair(other)
-        return self.builder.fadd(x, y, flags=flags), self._sum(dx, dy)
-
-    def fsub(self, one: Any, other: Any, flags: Any = ()) -> Any:
-        return self.fadd(one, self.fneg(other), flags)
-
-    def fmul(self, one: Any, other: Any, flags: Any = ()) -> Any:
-        (x, dx), (y, dy) = _pair(one), _pair(other)
-        return self.builder.fmul(x, y, flags=flags), self._sum(self._product(dx, y), self._product(dy, x))
-
-    def fdiv(self, one: Any, other: Any, flags: Any = ()) -> Any:
-        (x, dx), (y, dy) = _pair(one), _pair(other)
-        found = self.builder.fdiv(x, y, flags=flags)
-        change = self._sum(dx, self._product(dy, self.builder.fneg(found)))
-        return found, None if change is None else self.builder.fdiv(change, y, flags=flags)
-
-
-def _arithmetic(builder: Any, *found: Any) -> Any:
-    """Return a builder of products and sums of components of these types."""
-    scalars = [one for each in found for one in _scalars(each)]
-    return _Changes(builder) if any(isinstance(one, Dual) and one.changing for one in scalars) else builder
-
-
-def _finished(builder: Any, found: Any, components: list[Any]) -> Any:
-    """Return the value of a scalar of type `found`."""
-    if not isinstance(found, Dual):
-        return _pair(components[0])[0]
-    nothing = [ir.Constant(_REGISTER, [0.0] * LANES)] * (1 + found.registers - len(components))
-    return _pack(builder, found, components + nothing)
-
-
-def _spread(builder: Any, number: Any) -> Any:
-    """Return a register of one number."""
-    if isinstance(number, tuple):
-        return tuple(None if part is None else _spread(builder, part) for part in number)
-    undefined = ir.Constant(_REGISTER, ir.Undefined)
-    first = builder.insert_element(undefined, number, _I32(0))
-    return builder.shuffle_vector(first, undefined, ir.Constant(ir.VectorType(_I32, LANES), [0] * LANES))
-
-
-def _combined(builder: Any, a: Any, first: list[Any], b: Any, second: list[Any]) -> list[Any]:
-    """Return a d(first) + b d(second), register by register."""
-    one = _spread(builder, a) if len(first) > 1 else None
-    other = _spread(builder, b) if len(second) > 1 else None
-    out = []
-    for i in range(1, max(len(first), len(second))):
-        x = builder.fmul(first[i], one, flags=_FUSED) if one is not None else None
-        y = builder.fmul(second[i], other, flags=_FUSED) if other is not None else None
-        out.append(y if x is None else x if y is None else builder.fadd(x, y, flags=_FUSED))
-    return out
-
-
-def _sum(builder: Any, a: list[Any], b: list[Any]) -> list[Any]:
-    both = [builder.fadd(x, y, flags=_FUSED) for x, y in zip(a, b, strict=False)]
-    return both + a[len(both) :] + b[len(both) :]
-
-
-def _negative(builder: Any, a: list[Any]) -> list[Any]:
-    return [builder.fneg(x) for x in a]
-
-
-def _difference(builder: Any, a: list[Any], b: list[Any]) -> list[Any]:
-    both = [builder.fsub(x, y, flags=_FUSED) for x, y in zip(a, b, strict=False)]
-    return both + a[len(both) :] + _negative(builder, b[len(both) :])
-
-
-def _product(builder: Any, a: list[Any], b: list[Any]) -> list[Any]:
-    return [builder.fmul(a[0], b[0], flags=_FUSED), *_combined(builder, b[0], a, a[0], b)]
-
-
-def _quotient(builder: Any, a: list[Any], b: list[Any]) -> list[Any]:
-    found = builder.fdiv(a[0], b[0], flags=_FUSED)
-    if len(a) == len(b) == 1:
-        return [found]
-    inverse = builder.fdiv(ir.Constant(_DOUBLE, 1.0), b[0], flags=_FUSED)
-    back = builder.fneg(builder.fmul(found, inverse, flags=_FUSED))
-    return [found, *_combined(builder, inverse, a, back, b)]
-
 
 @lower_cast(types.Float, Dual)
 @lower_cast(types.Integer, Dual)
 def _lifted(context: Any, builder: Any, number: Any, dual: Any, held: Any) -> Any:
-    return _finished(builder, dual, _components(context, builder, number, held))
+    return finished(builder, dual, components_of(context, builder, number, held))
 
 
 # --- results of operators: numbers, vectors and tensors --------------------------------------------------------
@@ -209,7 +61,7 @@ def _lifted(context: Any, builder: Any, number: Any, dual: Any, held: Any) -> An
 
 def _kind(found: Any) -> type | None:
     """Return float for a number or a dual number, `Vector`, `Tensor`, or None for anything else."""
-    if _is_number(found) or isinstance(found, Dual):
+    if is_number(found) or isinstance(found, Dual):
         return float
     if isinstance(found, types.BaseNamedTuple) and found.instance_class in (Vector, Tensor):
         return found.instance_class if all(_kind(one) is float for one in found.types) else None
@@ -252,19 +104,19 @@ def _matrix_product(builder: Any, a: list[Any], b: list[Any]) -> list[Any]:
     """Return products of components: for vectors their dot product; tensors have rows xx, xy, yx, yy, zz."""
 
     def dot(i: int, j: int, k: int, m: int) -> list[Any]:
-        return _sum(builder, _product(builder, a[i], b[j]), _product(builder, a[k], b[m]))
+        return total(builder, product_of(builder, a[i], b[j]), product_of(builder, a[k], b[m]))
 
     if len(a) == 2:
         return [dot(0, 0, 1, 1)]
     if len(b) == 2:
         return [dot(0, 0, 1, 1), dot(2, 0, 3, 1)]
     plane = [dot(0, 0, 1, 2), dot(0, 1, 1, 3), dot(2, 0, 3, 2), dot(2, 1, 3, 3)]
-    return [*plane, _product(builder, a[4], b[4])]
+    return [*plane, product_of(builder, a[4], b[4])]
 
 
 _ELEMENT = {
-    operator.add: _sum, operator.sub: _difference, operator.mul: _product, operator.truediv: _quotient,
-    operator.iadd: _sum, operator.isub: _difference, operator.imul: _product, operator.itruediv: _quotient,
+    operator.add: total, operator.sub: difference, operator.mul: product_of, operator.truediv: quotient,
+    operator.iadd: total, operator.isub: difference, operator.imul: product_of, operator.itruediv: quotient,
 }  # fmt: skip
 
 _DIVISIONS = (operator.truediv, operator.itruediv)
@@ -275,7 +127,7 @@ def _define(symbol: Any) -> None:
         key = symbol
 
         def generic(self, args: Any, kws: Any) -> Any:
-            if len(args) != 2 or (_is_number(args[0]) and _is_number(args[1])):
+            if len(args) != 2 or (is_number(args[0]) and is_number(args[1])):
                 return None
             result = _RESULT[symbol].get((_kind(args[0]), _kind(args[1])))  # type: ignore[arg-type]
             scalar = _scalar(_scalars(args[0]) + _scalars(args[1])) if result is not None else None
@@ -289,18 +141,18 @@ def _define(symbol: Any) -> None:
             if isinstance(found, types.BaseNamedTuple):
                 held = [builder.extract_value(held, i) for i in range(len(found.types))]
                 parts = zip(found.types, held, strict=True)
-                sides.append([_components(context, builder, kind, one) for kind, one in parts])
+                sides.append([components_of(context, builder, kind, one) for kind, one in parts])
             else:
-                sides.append([_components(context, builder, found, held)])
-        arithmetic = _arithmetic(builder, *sig.args)
+                sides.append([components_of(context, builder, found, held)])
+        arithmetic = arithmetic_of(builder, [one for each in sig.args for one in _scalars(each)])
         if symbol is operator.matmul:
             made = _matrix_product(arithmetic, *sides)
         else:
             if symbol in _DIVISIONS and len(sides[0]) > 1:  # one division for all components
-                sides[1] = [_quotient(arithmetic, [ir.Constant(_DOUBLE, 1.0)], sides[1][0])]
+                sides[1] = [quotient(arithmetic, [ir.Constant(DOUBLE, 1.0)], sides[1][0])]
             most = max(map(len, sides))
             first, second = (side * (most // len(side)) for side in sides)
-            element = _product if symbol in _DIVISIONS and most > 1 else _ELEMENT[symbol]
+            element = product_of if symbol in _DIVISIONS and most > 1 else _ELEMENT[symbol]
             made = [element(arithmetic, a, b) for a, b in zip(first, second, strict=True)]
         return _result(context, builder, sig.return_type, made)
 
@@ -310,7 +162,7 @@ def _define(symbol: Any) -> None:
 
 
 def _result(context: Any, builder: Any, found: Any, made: list[list[Any]]) -> Any:
-    held = [_finished(builder, one, each) for one, each in zip(_scalars(found), made, strict=True)]
+    held = [finished(builder, one, each) for one, each in zip(_scalars(found), made, strict=True)]
     return context.make_tuple(builder, found, held) if isinstance(found, types.BaseNamedTuple) else held[0]
 
 
@@ -323,7 +175,7 @@ class _Negative(AbstractTemplate):
     key = operator.neg
 
     def generic(self, args: Any, kws: Any) -> Any:
-        return None if _is_number(args[0]) or _kind(args[0]) is None else signature(args[0], args[0])
+        return None if is_number(args[0]) or _kind(args[0]) is None else signature(args[0], args[0])
 
 
 @lower_builtin(operator.neg, Dual)
@@ -332,9 +184,9 @@ def _lower_negative(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     found = sig.args[0]
     many = isinstance(found, types.BaseNamedTuple)
     held = [builder.extract_value(args[0], i) for i in range(len(found.types))] if many else [args[0]]
-    parts = [_components(context, builder, kind, one) for kind, one in zip(_scalars(found), held, strict=True)]
-    arithmetic = _arithmetic(builder, found)
-    return _result(context, builder, found, [_negative(arithmetic, one) for one in parts])
+    parts = [components_of(context, builder, kind, one) for kind, one in zip(_scalars(found), held, strict=True)]
+    arithmetic = arithmetic_of(builder, _scalars(found))
+    return _result(context, builder, found, [negative(arithmetic, one) for one in parts])
 
 
 def _define_comparison(symbol: Any, sign: str) -> None:
@@ -348,7 +200,7 @@ def _define_comparison(symbol: Any, sign: str) -> None:
     infer_global(symbol)(Template)
 
     def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        a, b = (_pair(_components(context, builder, *one)[0])[0] for one in zip(sig.args, args, strict=True))
+        a, b = (pair(components_of(context, builder, *one)[0])[0] for one in zip(sig.args, args, strict=True))
         return builder.fcmp_unordered(sign, a, b) if sign == "!=" else builder.fcmp_ordered(sign, a, b)
 
     for kinds in product((Dual, types.Float, types.Integer), repeat=2):
@@ -382,11 +234,11 @@ def derivatives(typingctx: Any, x: Any, directions: Any) -> Any:
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         if not isinstance(x, Dual):
-            return context.make_tuple(builder, found, [ir.Constant(_DOUBLE, 0.0)] * count)
+            return context.make_tuple(builder, found, [ir.Constant(DOUBLE, 0.0)] * count)
         out = []
         for number in range(count):
             register = builder.extract_value(args[0], 1 + number // LANES)
-            out.append(builder.extract_element(register, _I32(number % LANES)))
+            out.append(builder.extract_element(register, INDEX(number % LANES)))
         return context.make_tuple(builder, found, out)
 
     return found(x, directions), codegen
@@ -395,12 +247,12 @@ def derivatives(typingctx: Any, x: Any, directions: Any) -> Any:
 @intrinsic(prefer_literal=True)
 def seed(typingctx: Any, x: Any, direction: Any, directions: Any) -> Any:
     """Return the dual number of value x that is one of the `directions` itself; both are constants."""
-    found, number = _TYPES[directions.literal_value], direction.literal_value
+    found, number = TYPES[directions.literal_value], direction.literal_value
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         unit = [float(i == number) for i in range(found.directions)]
-        registers = [ir.Constant(_REGISTER, unit[i : i + LANES]) for i in range(0, found.directions, LANES)]
-        return _pack(builder, found, [context.cast(builder, args[0], x, types.float64), *registers])
+        registers = [ir.Constant(REGISTER, unit[i : i + LANES]) for i in range(0, found.directions, LANES)]
+        return pack(builder, found, [context.cast(builder, args[0], x, types.float64), *registers])
 
     return found(x, direction, directions), codegen
 
@@ -408,9 +260,9 @@ def seed(typingctx: Any, x: Any, direction: Any, directions: Any) -> Any:
 @intrinsic(prefer_literal=True)
 def constant(typingctx: Any, x: Any, directions: Any) -> Any:
     """Return the dual number of value x that changes in none of the `directions`, a constant."""
-    found = _TYPES[directions.literal_value]
-    return found(x, directions), lambda context, builder, sig, args: _finished(
-        builder, found, _components(context, builder, x, args[0])
+    found = TYPES[directions.literal_value]
+    return found(x, directions), lambda context, builder, sig, args: finished(
+        builder, found, components_of(context, builder, x, args[0])
     )
 
 
@@ -425,24 +277,24 @@ def inner(typingctx: Any, x: Any) -> Any:
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         change = builder.extract_value(args[0], 1 + x.registers)
-        register = builder.insert_element(ir.Constant(_REGISTER, [0.0] * LANES), change, _I32(0))
-        return _pack(builder, _TYPES[LANES], [builder.extract_value(args[0], 0), register])
+        register = builder.insert_element(ir.Constant(REGISTER, [0.0] * LANES), change, INDEX(0))
+        return pack(builder, TYPES[LANES], [builder.extract_value(args[0], 0), register])
 
-    return _TYPES[LANES](x), codegen
+    return TYPES[LANES](x), codegen
 
 
 @intrinsic(prefer_literal=True)
 def seed_changing(typingctx: Any, x: Any, direction: Any, directions: Any, change: Any) -> Any:
     """Return `seed` of the first three arguments as a changing dual number, which changes by `change`."""
-    found, number = _CHANGING[directions.literal_value], direction.literal_value
+    found, number = CHANGING[directions.literal_value], direction.literal_value
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         unit = [float(i == number) for i in range(found.directions)]
-        registers = [ir.Constant(_REGISTER, unit[i : i + LANES]) for i in range(0, found.directions, LANES)]
+        registers = [ir.Constant(REGISTER, unit[i : i + LANES]) for i in range(0, found.directions, LANES)]
         at, moved = (
             context.cast(builder, args[i], (x, direction, directions, change)[i], types.float64) for i in (0, 3)
         )
-        return _pack(builder, found, [(at, moved), *registers])
+        return pack(builder, found, [(at, moved), *registers])
 
     return found(x, direction, directions, change), codegen
 
@@ -455,11 +307,11 @@ def changes(typingctx: Any, x: Any, directions: Any) -> Any:
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         if not (isinstance(x, Dual) and x.changing):
-            return context.make_tuple(builder, found, [ir.Constant(_DOUBLE, 0.0)] * count)
+            return context.make_tuple(builder, found, [ir.Constant(DOUBLE, 0.0)] * count)
         out = []
         for number in range(count):
             register = builder.extract_value(args[0], 2 + x.registers + number // LANES)
-            out.append(builder.extract_element(register, _I32(number % LANES)))
+            out.append(builder.extract_element(register, INDEX(number % LANES)))
         return context.make_tuple(builder, found, out)
 
     return found(x, directions), codegen
@@ -470,7 +322,7 @@ def _inner_component(builder: Any, found: Any, held: Any) -> Any:
     if not isinstance(found, Dual):
         return held
     register = builder.extract_value(held, 1)
-    return builder.extract_value(held, 0), builder.extract_element(register, _I32(0))
+    return builder.extract_value(held, 0), builder.extract_element(register, INDEX(0))
 
 
 @intrinsic
@@ -482,8 +334,8 @@ def follow(typingctx: Any, found: Any, slope: Any, x: Any) -> Any:
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         value, by = (_inner_component(builder, *one) for one in zip(sig.args[:2], args[:2], strict=True))
-        components = _components(context, builder, x, args[2])
-        return _pack(builder, x, [value, *_combined(_arithmetic(builder, x), by, components, None, [None])])
+        components = components_of(context, builder, x, args[2])
+        return pack(builder, x, [value, *combined(arithmetic_of(builder, (x,)), by, components, None, [None])])
 
     return x(found, slope, x), codegen
 
@@ -495,7 +347,7 @@ def follow_two(typingctx: Any, found: Any, slope: Any, x: Any, other: Any, y: An
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         value, one, two = (_inner_component(builder, sig.args[i], args[i]) for i in (0, 1, 3))
-        first, second = _components(context, builder, x, args[2]), _components(context, builder, y, args[4])
-        return _pack(builder, result, [value, *_combined(_arithmetic(builder, x, y), one, first, two, second)])
+        first, second = components_of(context, builder, x, args[2]), components_of(context, builder, y, args[4])
+        return pack(builder, result, [value, *combined(arithmetic_of(builder, (x, y)), one, first, two, second)])
 
     return result(found, slope, x, other, y), codegen
