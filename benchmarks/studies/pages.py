@@ -4,6 +4,7 @@
     python benchmarks/studies/pages.py runs/full    # first takes rows of cases from the archive of a matrix there
     python benchmarks/studies/pages.py runs/paper   # first draws the paper's figures from the archive of `make paper`
     python benchmarks/studies/pages.py runs/demo    # first takes rows and pictures of the comparison there
+    python benchmarks/studies/pages.py runs/accuracy  # first takes the tables of `contactlab compare accuracy`
     python benchmarks/studies/pages.py --check      # writes nothing; exit status 1 if numbers in docs are stale
 
 Pages that hold nothing but numbers are built and not committed; `make site` builds them, too. Numbers in the prose of
@@ -23,6 +24,7 @@ ROOT = HERE.parents[1]
 DOCS, BUILT_DOCS = ROOT / "docs", ROOT / "build" / "docs"
 sys.path[:0] = [str(HERE / place) for place in (".", "paper", "..", "../kernels")]
 
+import accuracy_page  # noqa: E402
 import baselines  # noqa: E402
 import cases_page  # noqa: E402
 import demo_page  # noqa: E402
@@ -50,6 +52,7 @@ BUILT: dict[str, Callable[[], str]] = {
 }
 """Pages that are built, and what they hold."""
 FILLED: dict[str, Callable[[], str]] = {
+    "accuracy.md": accuracy_page.page,
     "matrix.md": lambda: matrix_page.page(cases_page.stored()),
     "methods.md": lambda: methods.page(methods.stored(), cases_page.stored()),
     "../README.md": demo_page.page,
@@ -72,6 +75,9 @@ def stale() -> list[str]:
 
 def _keep(folder: Path) -> None:
     """Take rows from a results folder: a comparison's for the front page, those of a matrix for its pages."""
+    if (folder / "winners.csv").exists():
+        accuracy_page.keep(folder)
+        return
     if (folder / "study.toml").exists():
         demo_page.keep(folder)
         return

@@ -117,7 +117,6 @@ class Points(NamedTuple):
     gap: Floats
     measure: Floats
     pressure: Floats
-    begins: float
     shortest: float
 
 
@@ -128,13 +127,13 @@ def _points(part: SegmentPotential, view: PotentialView, positions: Floats) -> P
     count = _of_class(type(part)).made(kernels.points)(*found, nodes, *rows)
     share, across, size = (row[:count] for row in rows)
     gap, measure, pressure = size.T
-    return Points(nodes[:count], share, across, gap, measure, pressure, found.begins, float(found.length.min()))
+    return Points(nodes[:count], share, across, gap, measure, pressure, float(found.length.min()))
 
 
 def _deepest(part: SegmentPotential, view: PotentialView, positions: Floats) -> float:
     """Return the largest mean overlap around a vertex, over its undeformed length."""
     found, overlap = _points(part, view, positions), np.zeros(len(positions))
-    depth = found.measure * (found.begins - found.gap)
+    depth = found.measure * np.maximum(0.0, -found.gap)
     np.add.at(overlap, found.nodes, np.abs(found.share) * depth[:, None])
     return float((overlap / view.length**2).max())
 

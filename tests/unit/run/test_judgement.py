@@ -14,7 +14,7 @@ from contactlab.errors import SimulationFailure
 from contactlab.model.build import build
 from contactlab.parts.registry import default_registry
 from contactlab.results.sample import take_sample
-from contactlab.run import judgement
+from contactlab.run import judgement, resolution
 from contactlab.run.contact_guard import ContactGuard
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene, load_scene
@@ -471,10 +471,10 @@ def test_a_fit_without_load_has_forces_of_round_off_alone(cells: int) -> None:
 
 @pytest.mark.parametrize("most", [0, 10**9])
 def test_the_nearest_point_is_found_either_way(most: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(judgement, "FEW_PAIRS", most)
+    monkeypatch.setattr(resolution, "FEW_PAIRS", most)
     draw = np.random.default_rng(3)
     points, others = draw.random((40, 2)), draw.random((30, 2))
-    distance, which = judgement._nearest(points, others)
+    distance, which = resolution.nearest_points(points, others)
     every = np.hypot(*(points[:, None] - others[None]).transpose(2, 0, 1))
     assert np.array_equal(which, every.argmin(axis=1))
     assert np.allclose(distance, every.min(axis=1), rtol=1e-14)
