@@ -152,6 +152,7 @@ class PairEnds:
         pair = self.pair
         if pair.count > len(self.feet):
             self._bind(len(pair.pieces.slave))
+        # of a mortar by formulas the ends of its pieces; False if its normals were turned at ends or vertices
         return not pair.lumped and pair.algorithm.feet(pair.seen(memory), pair.pieces, pair.count, self.feet)
 
 

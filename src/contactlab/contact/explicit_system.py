@@ -132,6 +132,7 @@ class ContactSystem:
     def _enforce(self, rows: GapRows, compliance: Floats, force: Floats) -> Any:
         """Solve for the forces of rows of any form. Return a `Solve`; None if reduced rows have no solution."""
         began = perf_counter()
+        # by default `ForwardIncrement.solve`: of consistent rows `contactlab_dynamics.active_set.solve_gradients`
         done = self.solver.solve(rows, compliance, self.multipliers, force)
         self.solution_s += perf_counter() - began
         if type(done) is not Solve and (done is not None or rows is self.rows):
@@ -157,7 +158,7 @@ class ContactSystem:
         return done._replace(residual=max(done.residual, change))
 
     def _solve(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
-        # extrapolating the normal forces of the last two steps saves a quarter of the Gauss-Seidel iterations
+        # extrapolating the normal forces of the last two steps saves a quarter of the iterations
         extrapolate(self.multipliers[0], self.before)
         where = predicted, current, compliance, force
         # constraints at corners, or points there that can close, have no reduced rows

@@ -136,6 +136,7 @@ class OperatorPair(ContactPair):
             self._unchecked = False
         self.count = count
         self._join()
+        # none of them unless a scene asks, or the slave comes to a corner
         if self.smooth is not None:
             self.smooth.update(memory)
             self.smooth.add(self.measured, self.gaps)

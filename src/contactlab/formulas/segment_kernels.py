@@ -27,7 +27,8 @@ from contactlab.formulas.segment_normals import Both, inward_normals, turn_norma
 
 PARAMETERS, FIELDS = slots("PARAMETERS", "FIELDS")
 # filled in `formulas.segments`, `_Kernels.formula_slots`: OVERLAP and BASIS are the method's own `overlap` and `basis`;
-# of mortar-p0, whose basis jumps once, PARTS is 2 and BREAKS (1/2,)
+# of mortar-p0, whose basis jumps once, PARTS is 2 and BREAKS (1/2,); rules on straight edges have one point for it and
+# two for mortar-p1
 OVERLAP, BASIS, PARTS, BREAKS, COVERED = slots("OVERLAP", "BASIS", "PARTS", "BREAKS", "COVERED")
 POINTS, WEIGHTS, QUADRATIC_POINTS, QUADRATIC_WEIGHTS = slots(
     "POINTS", "WEIGHTS", "QUADRATIC_POINTS", "QUADRATIC_WEIGHTS"

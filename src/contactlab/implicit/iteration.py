@@ -263,7 +263,7 @@ class NewtonIteration:
     def _update_stiffness(self, dt: float) -> None:
         """Compute the stiffness of the bodies at the trial state, and the scales that follow from it.
 
-        Contact is linearised in `SaddleSystem.step`.
+        The first time it also computes the first forces. Contact is linearised in `SaddleSystem.step`.
         """
         trial, first = self.trial, self.scales.floor == 0.0
         self.stiffness = trial.balance.stiffness(dt)

@@ -135,7 +135,7 @@ class SaddleSystem:
             lower = _conditions_right(plan, conditions, given if moving else None)
             forces = derivatives.force
         kind = [plan.normal.tobytes(), plan.tangential.tobytes()]
-        if self.loose is not None:
+        if self.loose is not None:  # finds nothing if supports hold every body
             self.loose.find(stiffness, right, forces, conditions, largest)
             pins = self.number[self.loose.pins]
             kind.append(pins.tobytes())

@@ -1,4 +1,4 @@
-"""Forward-increment Lagrange multipliers (Carpenter, Taylor & Katona 1991) by projected Gauss-Seidel."""
+"""Forward-increment Lagrange multipliers (Carpenter, Taylor & Katona 1991), by active sets or Gauss-Seidel."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ DENSE_UP_TO = 128  # conditions; above, forming their compliance costs more than
 @dataclass(frozen=True)
 class ForwardIncrement(ExplicitEnforcement):
     """Multipliers at t_n, gap conditions at t_{n+1}: y >= 0, g >= 0, y g = 0 (docs/theory/forward-increment.md).
+
+    With consistent forces g is the gap beyond the one that each condition may keep (contact-energy.md).
 
     forces     "consistent": along the derivatives of the gaps, which makes no energy (contact-energy.md);
                "frozen": along weights and normals at the end of the step; "conjugate", "published", "auto"

@@ -46,7 +46,7 @@ def conditions_moved(rows, count, nodal, turned, carried, out):
 
 @table_kernel
 def nodes_pushed(rows, y, nodal, moment, carried):
-    """Add nodal forces G^T y to `nodal` (L, 2) by forces y (k,); `moment` (a,) and `carried` (2, k) are scratch."""
+    """Fill nodal forces G^T y, `nodal` (L, 2), by forces y (k,); `moment` (a,) and `carried` (2, k) are scratch."""
     f, count = rows.factors, y.size
     block, angles, lever, angle_start = rows.block, rows.angle, rows.lever, rows.angle_start
     start, node, own, normal, inverse, above, below = f.start, f.node, f.own, f.normal, f.inverse, f.above, f.below
