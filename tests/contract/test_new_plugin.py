@@ -97,7 +97,7 @@ def test_an_existing_folder_is_left_alone(
     assert not [*(tmp_path / "own-mesh").iterdir()]
 
 
-@pytest.mark.parametrize("start", some(WAYS["contact"], ["mortar", "rows", "potential"]))
+@pytest.mark.parametrize("start", some(WAYS["contact"], ["mortar", "rows", "energy", "potential"]))
 def test_contacts_of_every_way_pass_their_checks(
     start: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -110,7 +110,7 @@ def test_contacts_of_every_way_pass_their_checks(
         f"{source}\n\nfrom contactlab.api.plugin import Part, hookimpl\n\n\n"
         f"@hookimpl\ndef contactlab_parts():\n    {hook}\n"
     )
-    kind = Potential if start == "potential" else ContactAlgorithm
+    kind = Potential if start in ("energy", "potential") else ContactAlgorithm
     units = [word for check in checks_for("contact", kind) for word in ("--only", check.__name__)]
     python = [] if start in ("rows", "potential") else ["--python"]
     assert main(["check", str(file), *units, *python]) == 0

@@ -7,6 +7,8 @@ from typing import NamedTuple
 from contactlab.api.mathematics import copysign, nan, sqrt
 from contactlab.api.tensors import Number, Vector
 
+BEYOND = 0.1  # of a segment that a side's end may lie beyond the end of the other side
+
 
 class MasterSegment(NamedTuple):
     """A master segment; the body lies on its left.
@@ -115,6 +117,19 @@ class SideSegment(NamedTuple):
         """Return xi of the point of its line that is next to a point."""
         edge = self.end - self.start
         return ((point - self.start) @ edge) / (edge @ edge)
+
+    def opposite(self, other: SideSegment) -> tuple[Number, Number]:
+        """Return the part between the feet of the other's ends, low and high; it is none if low is not below high.
+
+        Where both sides end within a tenth of a segment of each other, they end together.
+        """
+        first, last = self.foot(other.start), self.foot(other.end)
+        spare = BEYOND * (last - first)
+        if self.begins and other.begins:
+            first = first - spare
+        if self.ends and other.ends:
+            last = last + spare
+        return max(0.0, first), min(1.0, last)
 
     def back(self) -> SideSegment:
         """Return the segment from its end to its start."""

@@ -246,8 +246,8 @@ AUTHORS = {
             _word("name", metavar="NAME", help="name of part and package: my-contact; a folder is written"),
             _word(
                 "--from", dest="start", default="", metavar="WAY",
-                help="way to write a contact: mortar, node-on-segment or points, by formulas; potential, by an energy; "
-                "rows in NumPy (default)",
+                help="way to write a contact: mortar (default), node-on-segment or points, energy, by formulas; rows, "
+                "potential, in NumPy",
             ),
             _flag("--with-ci", text="add a workflow that runs the checks at every push"),
         ),

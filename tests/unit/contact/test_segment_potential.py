@@ -30,7 +30,7 @@ class Layer(SegmentPotential):
 
     @formula
     def overlap(own: Any, other: Any) -> Any:
-        return max(0.0, own.foot(other.start)), min(1.0, own.foot(other.end))
+        return own.opposite(other)
 
     @formula
     def energy(gap: Any, p: Any) -> Any:

@@ -19,8 +19,6 @@ import numpy as np
 
 from contactlab.api import SegmentPotential, formula
 
-BEYOND = 0.1  # of a segment that a side's end may lie beyond the end of the other side
-
 
 @dataclass(frozen=True)
 class Midplane(SegmentPotential):
@@ -46,14 +44,8 @@ class Midplane(SegmentPotential):
 
     @formula
     def overlap(own: Any, other: Any) -> Any:
-        """Return the part of `own` between the feet of the other's ends; sides that end together end at their ends."""
-        first, last = own.foot(other.start), own.foot(other.end)
-        spare = BEYOND * (last - first)
-        if own.begins and other.begins:
-            first = first - spare
-        if own.ends and other.ends:
-            last = last + spare
-        return max(0.0, first), min(1.0, last)
+        """Return the part of `own` between the feet of the other's ends."""
+        return own.opposite(other)
 
     @formula
     def energy(gap: Any, stiffness: Any, p: Any) -> Any:
