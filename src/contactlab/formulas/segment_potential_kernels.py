@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api.compiled.dual import changes, derivatives, seed, seed_changing
+from contactlab.api.compiled.dual import changes, derivatives, seed, seed_changing, value
 from contactlab.api.compiled.formulas import methods_of, slots
 from contactlab.api.compiled.kernel import kernel, point
 from contactlab.api.segments import SideSegment
@@ -118,29 +118,22 @@ def meeting(at, edges, slaves, length, ends, begins, deepest, numbers, pairs):
 
 
 @kernel
-def stored(at, pairs, length, ends, stiffness, begins, deepest, numbers):
-    """Return the energy of `pairs`."""
-    energy, p = 0.0, PARAMETERS(numbers)
-    for number in range(len(pairs)):
-        one, two = fixed(at, pairs[number], length, ends)
-        energy += both_passes(one, two, stiffness, begins, deepest, p)
-    return energy
-
-
-@kernel
 def press(at, pairs, length, ends, stiffness, begins, deepest, numbers, gradient):
-    """Add the derivative of the energy of `pairs` to `gradient` (n, 2)."""
-    p = PARAMETERS(numbers)
+    """Add the derivative of the energy of `pairs` to `gradient` (n, 2); return the energy."""
+    energy, p = 0.0, PARAMETERS(numbers)
     for number in range(len(pairs)):
         pair = pairs[number]
         i, j, e, f = pair[2], pair[3], pair[4], pair[5]
         a, b = Vector(seed(at[i, 0], 0, 8), seed(at[i, 1], 1, 8)), Vector(seed(at[j, 0], 2, 8), seed(at[j, 1], 3, 8))
         c, d = Vector(seed(at[e, 0], 4, 8), seed(at[e, 1], 5, 8)), Vector(seed(at[f, 0], 6, 8), seed(at[f, 1], 7, 8))
         one, two = segments(a, b, c, d, pair, length, ends)
-        change = derivatives(both_passes(one, two, stiffness, begins, deepest, p), 8)
+        found = both_passes(one, two, stiffness, begins, deepest, p)
+        change = derivatives(found, 8)
+        energy += value(found)
         for corner in range(4):
             gradient[pair[2 + corner], 0] += change[2 * corner]
             gradient[pair[2 + corner], 1] += change[2 * corner + 1]
+    return energy
 
 
 @kernel

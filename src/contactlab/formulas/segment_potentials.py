@@ -75,18 +75,19 @@ def parts(part: SegmentPotential, view: PotentialView, positions: Floats) -> Par
 
 def energy(part: SegmentPotential, view: PotentialView, positions: Floats) -> float:
     """Implement `Potential.energy`."""
-    return float(_of_class(type(part)).made(kernels.stored)(*parts(part, view, positions)))
+    return _pressed(part, view, positions)[0]
 
 
 def gradient(part: SegmentPotential, view: PotentialView, positions: Floats) -> Floats:
     """Implement `Potential.gradient`."""
-    return np.asarray(polygon(view).T @ _at_vertices(part, view, positions))
+    return np.asarray(polygon(view).T @ _pressed(part, view, positions)[1])
 
 
-def _at_vertices(part: SegmentPotential, view: PotentialView, positions: Floats) -> Floats:
+def _pressed(part: SegmentPotential, view: PotentialView, positions: Floats) -> tuple[float, Floats]:
+    """Return the energy, and its derivative by the vertices of the polygons (n, 2)."""
     found = np.zeros_like(positions)
-    _of_class(type(part)).made(kernels.press)(*parts(part, view, positions), found)
-    return found
+    energy = _of_class(type(part)).made(kernels.press)(*parts(part, view, positions), found)
+    return float(energy), found
 
 
 def hessian(part: SegmentPotential, view: PotentialView, positions: Floats) -> Any:
@@ -213,7 +214,7 @@ def nodal_forces(part: SegmentPotential, view: PotentialView, positions: Floats)
     Small ones beyond the edge of contact are their neighbour's: their hats reach into the last segment that presses.
     Mortars, too, merge multipliers with little cover.
     """
-    m, pressed = len(view.slave.nodes), _at_vertices(part, view, positions)
+    m, pressed = len(view.slave.nodes), _pressed(part, view, positions)[1]
     rubbed = np.zeros_like(pressed) if view.friction is None else _rubbed(part, view, positions)
     forces = -np.stack([pressed[:m], rubbed[:m]])
     segments, found = view.slave.segments, forces.copy()
