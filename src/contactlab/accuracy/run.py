@@ -108,8 +108,11 @@ def line_plan(
     done: list[Point] = []
     for task in line.tasks:
         expected = expected_cost(done, task.level)
-        if math.isinf(expected):
-            point = named(task, "over-limit", f"a coarser level already took more than {task.limit:g} CPU s")
+        if done and done[-1].status == "interrupted":
+            point = named(task, "interrupted", OTHERS["interrupted"])
+        elif math.isinf(expected):
+            took = "took" if any(point.status == "timed-out" for point in done) else "would take"
+            point = named(task, "over-limit", f"a coarser level {took} more than {task.limit:g} CPU s")
         elif expected > task.limit:
             point = named(task, "over-limit", f"would take about {expected:.2g} CPU s, the limit is {task.limit:g}")
         else:

@@ -205,5 +205,21 @@ def test_a_level_beyond_the_limit_or_the_budget_is_not_run(
     assert found == told
 
 
+def test_levels_behind_one_that_was_stopped_were_stopped_as_well(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They are not beyond the limit: nobody knows what they take."""
+
+    def point_plan(task: Task, *rest: Any) -> Generator[list[Any], Any, Point]:
+        yield []
+        return point(task, 1.0) if task.level == 1 else named(task, "interrupted", "stopped before it began")
+
+    monkeypatch.setattr(run, "point_plan", point_plan)
+    bundled = find_case_study("accuracy")
+    assert bundled is not None
+    study = replace(bundled, cases=(bundled.cases[0],), levels=(1, 2, 16), limit=30.0)
+    line = plan(study, default_registry())[1][0]
+    found = here(line_plan(line, default_registry(), Budget(None), lambda _: None), lambda run: pytest.fail("a run"))
+    assert [one.status for one in found] == ["finished", "interrupted", "interrupted"]
+
+
 def point(task: Task, cost: float) -> Point:
     return replace(named(task, "finished", ""), error=0.1, cpu=(cost,))
