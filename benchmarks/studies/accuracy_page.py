@@ -3,30 +3,46 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 from collections import Counter
+from collections.abc import Iterator
 from itertools import groupby
 from pathlib import Path
 
 from filled import filled
 
-from contactlab.jobs.rows import Row, read_csv
+from contactlab.jobs.rows import Row, read_csv, write_csv
 
 HERE = Path(__file__).parent
 PAGE, STUDY = HERE.parents[1] / "docs" / "accuracy.md", HERE / "accuracy"
+PICTURE = HERE.parents[1] / "docs" / "pictures" / "accuracy.svg"
 TIMES = (0.3, 1.0, 3.0, 10.0, 30.0)
+SOLVES = 0.25  # of all questions: contenders that answer less are not listed
 
 
 def keep(folder: Path) -> None:
-    """Take the rows, the picture and the state of a study."""
+    """Take who wins, the shares that contenders solve, the picture and the state of a study."""
     STUDY.mkdir(exist_ok=True)
-    for name in ("winners.csv", "solved.csv"):
-        shutil.copyfile(folder / name, STUDY / name)
+    shutil.copyfile(folder / "winners.csv", STUDY / "winners.csv")
+    heads = ["contender", *(f"{most:g} s" for most in TIMES), "put", "asked"]
+    write_csv(STUDY / "solved.csv", heads, _shares(read_csv(folder / "solved.csv")))
+    drawn = (folder / "error-against-cost.svg").read_text(encoding="utf-8")
+    PICTURE.write_text(re.sub(r"(\d\.\d)\d+", r"\1", drawn), encoding="utf-8")  # a tenth of a point
     found = json.loads((folder / "accuracy.json").read_text(encoding="utf-8"))
     counts = Counter(row["status"] for row in read_csv(folder / "accuracy.csv"))
     state = {name: found[name] for name in ("date", "commit", "system")} | {"statuses": counts}
     state |= {"cases": len(found["cases"]), "contenders": len(found["contenders"])}
     (STUDY / "state.json").write_text(json.dumps(state, indent=1) + "\n", encoding="utf-8")
+
+
+def _shares(rows: list[Row]) -> Iterator[dict[str, object]]:
+    """Of each contender the share of all questions that it answers within each of `TIMES`."""
+    for name, group in groupby(rows, key=lambda row: row["contender"]):
+        own = list(group)
+        asked = int(own[0]["asked"])
+        shares = {f"{most:g} s": round(sum(float(row["cpu_s"]) <= most for row in own) / asked, 4) for most in TIMES}
+        yield {"contender": name, **shares, "put": own[0]["put"], "asked": asked}
 
 
 def page() -> str:
@@ -65,17 +81,15 @@ def _cell(row: Row) -> str:
 
 
 def _solved(rows: list[Row]) -> str:
-    """A row per contender that solves a tenth, the best first."""
-    table = []
-    for name, group in groupby(rows, key=lambda row: row["contender"]):
-        own = list(group)
-        asked, put = int(own[0]["asked"]), int(own[0]["put"])
-        shares = [sum(float(row["cpu_s"]) <= most for row in own) / asked for most in TIMES]
-        if shares[-1] >= 0.1:
-            table.append((shares, [name, *(f"{100 * share:.0f} %" for share in shares), f"{put} of {asked}"]))
-    heads = ["contender", *(f"{most:g} s" for most in TIMES), "asked"]
-    table.sort(key=lambda row: (-row[0][-1], [-share for share in row[0]]))
-    return "\n".join([_line(heads), _line(["---"] * len(heads)), *(_line(cells) for _, cells in table)])
+    """A row per contender that solves `SOLVES` in the end, the best first."""
+    heads = [f"{most:g} s" for most in TIMES]
+    rows = [row for row in rows if float(row[heads[-1]]) >= SOLVES]
+    rows.sort(key=lambda row: [-float(row[head]) for head in reversed(heads)])
+    table = [["contender", *heads, "asked"], ["---"] * (len(heads) + 2)]
+    for row in rows:
+        shares = (f"{100 * float(row[head]):.0f} %" for head in heads)
+        table.append([row["contender"], *shares, f"{row['put']} of {row['asked']}"])
+    return "\n".join(map(_line, table))
 
 
 def _line(cells: list[str]) -> str:
