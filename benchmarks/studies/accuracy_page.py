@@ -28,7 +28,7 @@ def keep(folder: Path) -> None:
     heads = ["contender", *(f"{most:g} s" for most in TIMES), "put", "asked"]
     write_csv(STUDY / "solved.csv", heads, _shares(read_csv(folder / "solved.csv")))
     drawn = (folder / "error-against-cost.svg").read_text(encoding="utf-8")
-    PICTURE.write_text(re.sub(r"(\d\.\d)\d+", r"\1", drawn), encoding="utf-8")  # a tenth of a point
+    PICTURE.write_text(re.sub(r"(\d\.\d)\d+| +$", r"\1", drawn, flags=re.MULTILINE), encoding="utf-8")  # 0.1 points
     found = json.loads((folder / "accuracy.json").read_text(encoding="utf-8"))
     counts = Counter(row["status"] for row in read_csv(folder / "accuracy.csv"))
     state = {name: found[name] for name in ("date", "commit", "system")} | {"statuses": counts}
