@@ -13,6 +13,7 @@ from pathlib import Path
 from filled import filled
 
 from contactlab.jobs.rows import Row, read_csv, write_csv
+from contactlab.reports.sheet import Sheet
 
 HERE = Path(__file__).parent
 PAGE, STUDY = HERE.parents[1] / "docs" / "accuracy.md", HERE / "accuracy"
@@ -54,21 +55,21 @@ def page() -> str:
 def _state() -> str:
     found = json.loads((STUDY / "state.json").read_text(encoding="utf-8"))
     counts = Counter(found["statuses"])
-    told = ", ".join(f"{number} {status or 'not run yet'}" for status, number in counts.most_common())
+    told = ", ".join(f"{number} {status}" for status, number in counts.most_common())
     return (
-        f"{found['date']}, commit {found['commit']}: {sum(counts.values())} points of {found['cases']} cases and "
-        f"{found['contenders']} contenders:\n{told}."
+        f"{found['date']}, commit {found['commit']}, {found['system']['processor']}: {sum(counts.values())} points of "
+        f"{found['cases']} cases and {found['contenders']} contenders:\n{told}."
     )
 
 
 def _winners(rows: list[Row]) -> str:
+    """A row per case, a column per target."""
     targets = list(dict.fromkeys(row["target"] for row in rows))
-    heads = ["case", *(f"{100 * float(target):g} %" for target in targets)]
-    table = [_line(heads), _line(["---"] * len(heads))]
+    lines = []
     for case, group in groupby(rows, key=lambda row: row["case"]):
         cells = {row["target"]: _cell(row) for row in group}
-        table.append(_line([case, *(cells.get(target, "") for target in targets)]))
-    return "\n".join(table)
+        lines.append([case, *(cells.get(target, "") for target in targets)])
+    return Sheet(["case", *(f"{100 * float(target):g} %" for target in targets)], lines).markdown()
 
 
 def _cell(row: Row) -> str:
@@ -85,12 +86,8 @@ def _solved(rows: list[Row]) -> str:
     heads = [f"{most:g} s" for most in TIMES]
     rows = [row for row in rows if float(row[heads[-1]]) >= SOLVES]
     rows.sort(key=lambda row: [-float(row[head]) for head in reversed(heads)])
-    table = [["contender", *heads, "asked"], ["---"] * (len(heads) + 2)]
+    lines = []
     for row in rows:
         shares = (f"{100 * float(row[head]):.0f} %" for head in heads)
-        table.append([row["contender"], *shares, f"{row['put']} of {row['asked']}"])
-    return "\n".join(map(_line, table))
-
-
-def _line(cells: list[str]) -> str:
-    return f"| {' | '.join(cells)} |"
+        lines.append([row["contender"], *shares, f"{row['put']} of {row['asked']}"])
+    return Sheet(["contender", *heads, "asked"], lines).markdown()

@@ -33,7 +33,7 @@ class SegmentPotential(Potential):
         energy(gap, stiffness)   energy [mJ/mm2] of a gap [mm] along this normal, negative where surfaces overlap
 
     Each segment of one side meets each of the other that faces it, first as `own`, then as `other`; both are
-    `SideSegment`s that run the same way. `stiffness` [MPa/mm] is that of the cells behind: the dilatational modulus
+    `SideSegment`s that run the same way. `stiffness` [MPa/mm] belongs to the cells behind: the dilatational modulus
     over the depth of a cell, both sides in series. Each formula may also ask for p, the numbers among the fields.
     The core finds the pairs, integrates by Gauss points over what is closer than `begins`, and differentiates twice,
     exactly. Quadratic edges are two segments each, which enclose the same area. Where nothing but a touch is left the

@@ -180,7 +180,7 @@ def points(at, pairs, length, ends, stiffness, begins, deepest, numbers, nodes, 
     """Fill the Gauss points of all parts; return their number.
 
     nodes   (r, 4) ends of the own segment, and of the other in the same direction
-    share   (r, 4) how motions of these make that of the own point against the matched one
+    share   (r, 4) weights of their motions in the motion of the own point relative to the matched one
     across  (r, 2) unit vectors across the normals, along which points slip
     size    (r, 3) gap [mm], undeformed length that the point stands for [mm], pressure [MPa]
     """
@@ -191,10 +191,9 @@ def points(at, pairs, length, ends, stiffness, begins, deepest, numbers, nodes, 
         for turn in range(2):
             own, other = (one, two.back()) if turn == 0 else (two, one.back())
             found = put_points(count, own, other, stiffness, begins, deepest, p, share, across, size)
+            ends_of = (pair[2], pair[3], pair[5], pair[4]) if turn == 0 else (pair[4], pair[5], pair[3], pair[2])
             for row in range(count, count + found):
-                if turn == 0:
-                    nodes[row, 0], nodes[row, 1], nodes[row, 2], nodes[row, 3] = pair[2], pair[3], pair[5], pair[4]
-                else:
-                    nodes[row, 0], nodes[row, 1], nodes[row, 2], nodes[row, 3] = pair[4], pair[5], pair[3], pair[2]
+                for corner in range(4):
+                    nodes[row, corner] = ends_of[corner]
             count += found
     return count

@@ -218,62 +218,47 @@ for _symbol, _sign in (
 # --- in and out of dual numbers ------------------------------------------------------------------------------------
 
 
-@intrinsic
-def value(typingctx: Any, x: Any) -> Any:
-    """Return the value of a number or a dual number."""
+def _value_of(x: Any) -> Any:
+    """Return signature and code of the value of a number or a dual number."""
     if isinstance(x, Dual):
         return types.float64(x), lambda context, builder, sig, args: builder.extract_value(args[0], 0)
     return x(x), lambda context, builder, sig, args: args[0]
 
 
-@intrinsic(prefer_literal=True)
-def derivatives(typingctx: Any, x: Any, directions: Any) -> Any:
-    """Return the derivatives of x by the first `directions`, a constant: a tuple; zeros for a number."""
+def _registers(x: Any, directions: Any, there: bool, first: int) -> Any:
+    """Return signature and code of numbers in the registers of x from component `first` on; zeros if not `there`."""
     count = directions.literal_value
     found = types.UniTuple(types.float64, count)
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        if not isinstance(x, Dual):
+        if not there:
             return context.make_tuple(builder, found, [ir.Constant(DOUBLE, 0.0)] * count)
         out = []
         for number in range(count):
-            register = builder.extract_value(args[0], 1 + number // LANES)
+            register = builder.extract_value(args[0], first + number // LANES)
             out.append(builder.extract_element(register, INDEX(number % LANES)))
         return context.make_tuple(builder, found, out)
 
     return found(x, directions), codegen
 
 
-@intrinsic(prefer_literal=True)
-def seed(typingctx: Any, x: Any, direction: Any, directions: Any) -> Any:
-    """Return the dual number of value x that is one of the `directions` itself; both are constants."""
-    found, number = TYPES[directions.literal_value], direction.literal_value
-
-    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        unit = [float(i == number) for i in range(found.directions)]
-        registers = [ir.Constant(REGISTER, unit[i : i + LANES]) for i in range(0, found.directions, LANES)]
-        return pack(builder, found, [context.cast(builder, args[0], x, types.float64), *registers])
-
-    return found(x, direction, directions), codegen
+def _unit(found: Dual, direction: Any) -> list[Any]:
+    """Return registers of the derivatives of a direction itself."""
+    unit = [float(i == direction.literal_value) for i in range(found.directions)]
+    return [ir.Constant(REGISTER, unit[i : i + LANES]) for i in range(0, found.directions, LANES)]
 
 
-@intrinsic(prefer_literal=True)
-def constant(typingctx: Any, x: Any, directions: Any) -> Any:
-    """Return the dual number of value x that changes in none of the `directions`, a constant."""
-    found = TYPES[directions.literal_value]
-    return found(x, directions), lambda context, builder, sig, args: finished(
-        builder, found, components_of(context, builder, x, args[0])
-    )
+@intrinsic
+def value(typingctx: Any, x: Any) -> Any:
+    """Return the value of a number or a dual number."""
+    return _value_of(x)
 
 
 @intrinsic
 def inner(typingctx: Any, x: Any) -> Any:
     """Return the value of a number or a dual number; of a changing one its value and change, a dual number of 4."""
     if not (isinstance(x, Dual) and x.changing):
-        number = types.float64 if isinstance(x, Dual) else x
-        return number(
-            x
-        ), lambda context, builder, sig, args: builder.extract_value(args[0], 0) if isinstance(x, Dual) else args[0]
+        return _value_of(x)
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         change = builder.extract_value(args[0], 1 + x.registers)
@@ -284,37 +269,49 @@ def inner(typingctx: Any, x: Any) -> Any:
 
 
 @intrinsic(prefer_literal=True)
-def seed_changing(typingctx: Any, x: Any, direction: Any, directions: Any, change: Any) -> Any:
-    """Return `seed` of the first three arguments as a changing dual number, which changes by `change`."""
-    found, number = CHANGING[directions.literal_value], direction.literal_value
-
-    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        unit = [float(i == number) for i in range(found.directions)]
-        registers = [ir.Constant(REGISTER, unit[i : i + LANES]) for i in range(0, found.directions, LANES)]
-        at, moved = (
-            context.cast(builder, args[i], (x, direction, directions, change)[i], types.float64) for i in (0, 3)
-        )
-        return pack(builder, found, [(at, moved), *registers])
-
-    return found(x, direction, directions, change), codegen
+def derivatives(typingctx: Any, x: Any, directions: Any) -> Any:
+    """Return the derivatives of x by the first `directions`, a constant: a tuple; zeros for a number."""
+    return _registers(x, directions, isinstance(x, Dual), 1)
 
 
 @intrinsic(prefer_literal=True)
 def changes(typingctx: Any, x: Any, directions: Any) -> Any:
     """Return the changes of the derivatives by the first `directions`, a constant: a tuple; zeros for other numbers."""
-    count = directions.literal_value
-    found = types.UniTuple(types.float64, count)
+    changing = isinstance(x, Dual) and x.changing
+    return _registers(x, directions, changing, 2 + x.registers if changing else 0)
+
+
+@intrinsic(prefer_literal=True)
+def seed(typingctx: Any, x: Any, direction: Any, directions: Any) -> Any:
+    """Return the dual number of value x that is one of the `directions` itself; both are constants."""
+    found = TYPES[directions.literal_value]
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        if not (isinstance(x, Dual) and x.changing):
-            return context.make_tuple(builder, found, [ir.Constant(DOUBLE, 0.0)] * count)
-        out = []
-        for number in range(count):
-            register = builder.extract_value(args[0], 2 + x.registers + number // LANES)
-            out.append(builder.extract_element(register, INDEX(number % LANES)))
-        return context.make_tuple(builder, found, out)
+        return pack(builder, found, [context.cast(builder, args[0], x, types.float64), *_unit(found, direction)])
 
-    return found(x, directions), codegen
+    return found(x, direction, directions), codegen
+
+
+@intrinsic(prefer_literal=True)
+def seed_changing(typingctx: Any, x: Any, direction: Any, directions: Any, change: Any) -> Any:
+    """Return `seed` of the first three arguments as a changing dual number, which changes by `change`."""
+    found = CHANGING[directions.literal_value]
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        at = context.cast(builder, args[0], x, types.float64)
+        moved = context.cast(builder, args[3], change, types.float64)
+        return pack(builder, found, [(at, moved), *_unit(found, direction)])
+
+    return found(x, direction, directions, change), codegen
+
+
+@intrinsic(prefer_literal=True)
+def constant(typingctx: Any, x: Any, directions: Any) -> Any:
+    """Return the dual number of value x that changes in none of the `directions`, a constant."""
+    found = TYPES[directions.literal_value]
+    return found(x, directions), lambda context, builder, sig, args: finished(
+        builder, found, components_of(context, builder, x, args[0])
+    )
 
 
 def _inner_component(builder: Any, found: Any, held: Any) -> Any:

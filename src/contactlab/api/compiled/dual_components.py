@@ -49,7 +49,7 @@ CHANGING = {directions: Dual(directions, changing=True) for directions in DIRECT
 
 
 def is_number(found: Any) -> bool:
-    """Return whether a type is that of a number without derivatives."""
+    """Return whether a type is a number without derivatives."""
     return isinstance(found, types.Float | types.Integer)
 
 

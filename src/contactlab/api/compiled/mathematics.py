@@ -16,16 +16,13 @@ from numba.extending import infer_getattr, overload
 from contactlab.api import mathematics
 from contactlab.api.compiled import kernel as kernels
 from contactlab.api.compiled.dual import Dual, follow, follow_two, inner, value
+from contactlab.api.compiled.dual_components import is_number
 from contactlab.api.tensors import Tensor, Vector
 
 __all__ = ["exp", "log", "methods_of"]
 
 _INLINED: Any = {"forceinline": True}
 log, exp, power = kernels.log, kernels.exp, kernels.power
-
-
-def _is_number(x: Any) -> bool:
-    return isinstance(x, types.Float | types.Integer)
 
 
 def _function(name: str, found: Callable[[float], float], slope: Callable[[float, float], float]) -> None:
@@ -42,7 +39,7 @@ def _function(name: str, found: Callable[[float], float], slope: Callable[[float
 
     @overload(function, jit_options=_INLINED, strict=False)
     def typed(x: Any) -> Any:
-        return of_dual if isinstance(x, Dual) else of_number if _is_number(x) else None
+        return of_dual if isinstance(x, Dual) else of_number if is_number(x) else None
 
 
 def _compiled(*functions: Any) -> tuple[Any, ...]:
@@ -72,7 +69,7 @@ def _two(function: Any, of_numbers: Any, of_duals: Any) -> None:
 
     @overload(function, jit_options=_INLINED, strict=False)
     def typed(x: Any, y: Any) -> Any:
-        if not all(isinstance(one, Dual) or _is_number(one) for one in (x, y)):
+        if not all(isinstance(one, Dual) or is_number(one) for one in (x, y)):
             return None
         return of_duals if isinstance(x, Dual) or isinstance(y, Dual) else of_numbers
 
@@ -145,7 +142,7 @@ def _only_duals(function: Any, of_duals: Any) -> None:
     @overload(function, jit_options=_INLINED, strict=False)
     def typed(x: Any, y: Any) -> Any:
         one = isinstance(x, Dual) or isinstance(y, Dual)
-        return of_duals if one and all(isinstance(z, Dual) or _is_number(z) for z in (x, y)) else None
+        return of_duals if one and all(isinstance(z, Dual) or is_number(z) for z in (x, y)) else None
 
 
 _only_duals(min, _smaller)
