@@ -1,4 +1,4 @@
-"""Choosing for one scene: the cheapest algorithm, slave, element, integrator and level that keep an error."""
+"""Choosing for one scene: the cheapest algorithm, slave, element, integrator, surfaces and level for an error."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from contactlab.accuracy.configuration import (
     elements_for,
     exchangeable,
     integrators_for,
+    possible,
 )
 from contactlab.accuracy.remaining import Truth, beside, ranked
 from contactlab.accuracy.trials import EQUAL, GROWTH, Place, Plan, Said, Trials, Wish
@@ -105,7 +106,10 @@ class _Search:
         first = replace(finished[0], steps=trials.steps)
         finished = yield from self._coarse([replace(first, algorithm=algorithm) for algorithm in algorithms])
         elements = elements_for(self.scene, self.registry)
-        others = [replace(first, exchanged=pattern, element=each) for each in elements for pattern in patterns]
+        kinds = [first]
+        if smooth := trials.facetted():  # facets are deepest at this level
+            kinds += self._possible([replace(each, smooth=smooth) for each in finished])[:1]
+        others = [replace(kind, exchanged=p, element=e) for kind in kinds for e in elements for p in patterns]
         others = yield from self._coarse([each for each in others if each != first])
         rest = [replace(each, algorithm=one.algorithm) for one in finished[1:] for each in others]
         if self._cheap(sum(trials.cost((each, 1)) for each in others) * len(finished[1:])):
@@ -115,7 +119,7 @@ class _Search:
         finished += others
         # one of each first: if time is short they tell more than algorithms that differ in nothing else
         dear = sorted(finished, key=lambda each: (each.algorithm == first.algorithm, -trials.cost((each, 1))))
-        families = {each.element or (*each.exchanged, each.integrator): each for each in dear}
+        families = {(each.smooth, each.element or (*each.exchanged, each.integrator)): each for each in dear}
         yield from trials.run([(each, 2) for each in families.values()], REFINED, self._limit(2))
         single = [replace(first, exchanged=(n,)) for n in sides if len(sides) > 1]
         if self._cheap(trials.cost((first, 1)) * len(single)):
@@ -125,8 +129,13 @@ class _Search:
 
     def _coarse(self, wanted: Sequence[Configuration]) -> Generator[Sequence[Any], Sequence[Any], list[Configuration]]:
         """Level 1 of these; those that finished."""
+        wanted = self._possible(wanted)
         yield from self.trials.run([(each, 1) for each in wanted], SURVEY, self._limit(1))
         return [each for each in wanted if self.trials.ladder(each)]
+
+    def _possible(self, wanted: Sequence[Configuration]) -> list[Configuration]:
+        found = [possible(each, self.scene, self.registry) for each in wanted]
+        return [each for each in found if each is not None]
 
     def _cheap(self, cost: float) -> bool:
         """Return whether less than half of the rest of the survey is enough for runs of this cost [CPU s]."""

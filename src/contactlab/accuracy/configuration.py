@@ -1,12 +1,12 @@
-"""Configurations of a scene: algorithm, exchanged contacts, element and integrator, each with the keys that make it."""
+"""Configurations of a scene: algorithm, slave, element, integrator and surfaces, each with the keys that make it."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-from contactlab.api import ExplicitIntegrator, Potential
+from contactlab.api import ExplicitIntegrator, Potential, SegmentContact
 from contactlab.parts.registry import Registry
 from contactlab.scene.scene import Scene
 
@@ -20,6 +20,7 @@ class Configuration:
     element     of all bodies, a name or a table
     integrator  its name
     steps       load steps of a static integrator; 0 leaves them
+    smooth      numbers of the contacts with smooth surfaces; None leaves them
     """
 
     algorithm: Any
@@ -27,15 +28,17 @@ class Configuration:
     element: Any = ""
     integrator: str = ""
     steps: int = 0
+    smooth: tuple[int, ...] | None = None
 
     def named(self, contacts: int) -> str:
         """Name for tables of a scene with so many contacts."""
         words = [self.algorithm, self.element, self.integrator, f"{self.steps} steps" if self.steps else ""]
-        name = " ".join(filter(None, words))
-        if not self.exchanged:
-            return name
-        which = "" if len(self.exchanged) == contacts else " " + ", ".join(f"contacts.{n}" for n in self.exchanged)
-        return f"{name}, exchanged{which}"
+        parts = [" ".join(filter(None, words))]
+        for word, numbers in (("smooth", self.smooth), ("exchanged", self.exchanged)):
+            if numbers:
+                which = [f"contacts.{n}" for n in numbers] if len(numbers) < contacts else []
+                parts.append(" ".join([word, ", ".join(which)]).rstrip())
+        return ", ".join([*parts, "not smooth"] if self.smooth == () else parts)
 
     def changes(self, data: Mapping[str, Any], level: int) -> dict[str, Any]:
         """Scene keys and values that make it of a scene (its TOML data) at a mesh level."""
@@ -50,6 +53,8 @@ class Configuration:
             found[f"contacts.{number}.algorithm"] = self.algorithm
             if number in self.exchanged:
                 found[f"contacts.{number}.swap"] = not contact.get("swap", False)
+            if self.smooth is not None and (number in self.smooth) != contact.get("smooth", False):
+                found[f"contacts.{number}.smooth"] = number in self.smooth
         return found
 
 
@@ -62,6 +67,22 @@ def algorithms_for(scene: Scene, registry: Registry) -> list[str]:
     kinds = {name: registry.part_class("contact", name) for name in registry.names("contact")}
     tried = [name for name, kind in kinds.items() if name in own or not issubclass(kind, Potential)]
     return sorted(tried, key=lambda name: (not kinds[name].passes_patch_test, name not in own, name))
+
+
+def possible(configuration: Configuration, scene: Scene, registry: Registry) -> Configuration | None:
+    """Return it with surfaces that it can have, or None if it has smooth ones that it cannot.
+
+    Algorithms that integrate over segments can, on edges of two nodes; the others do without if the scene is smooth.
+    """
+    own = {str(body["element"]["use"]) for body in scene.data["bodies"].values()}
+    elements = {configuration.element} if configuration.element else own
+    able = issubclass(registry.part_class("contact", configuration.algorithm), SegmentContact) and all(
+        len(registry.part_class("element", name).edges[0]) == 2 for name in elements
+    )
+    if configuration.smooth:
+        return configuration if able else None
+    declared = any(contact.smooth for contact in scene.contacts)
+    return replace(configuration, smooth=() if declared and not able else None)
 
 
 def exchangeable(data: Mapping[str, Any]) -> tuple[int, ...]:

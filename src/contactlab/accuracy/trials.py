@@ -48,7 +48,7 @@ class Trial:
     """A configuration at a level: what its run gave.
 
     costs    CPU times of its runs without start and compilation [s]
-    facts    load steps, whether the way to the end matters, whether anything is pressed there
+    facts    load steps, whether the way to the end matters, whether anything is pressed, contacts with coarse facets
     reached  part of the loading that a run came to which did not finish
     """
 
@@ -150,6 +150,7 @@ class Trials:
                 "steps": record.summary.get("steps", 0),
                 **record.summary.get("history", {}),
                 "pressed": pressed,
+                "coarse": coarse_facets(record),
             }
         self.said(f"{name}: {trial.costs[-1]:.3g} s")
 
@@ -181,6 +182,12 @@ class Trials:
     def configurations(self) -> list[Configuration]:
         """All that have a finished run."""
         return list(dict.fromkeys(c for (c, _), t in self.all.items() if t.finished))
+
+    def facetted(self) -> tuple[int, ...]:
+        """Numbers of the contacts that smooth surfaces may help, and of those that have some."""
+        coarse = {n for trial in self.all.values() for n in trial.facts.get("coarse", ())}
+        own = {n for n, contact in enumerate(self.scene.contacts) if contact.smooth}
+        return tuple(sorted(coarse | own)) if coarse else ()
 
     # --- what the trials say -----------------------------------------------------------------------
 
@@ -272,3 +279,9 @@ class Trials:
             for level, error in self.errors(each).items()
             if error < target and self.ladder(each)[level].cost <= self.wish.budget
         ]
+
+
+def coarse_facets(record: Record) -> tuple[int, ...]:
+    """Numbers of the contacts that a run has found coarse facets in, where smooth surfaces are a cure."""
+    found = (w["key"].split(".") for w in record.summary.get("warnings", ()) if w["code"] == "coarse-facets")
+    return tuple(sorted(int(words[1]) for words in found if words[-1] == "smooth"))

@@ -19,11 +19,13 @@ from contactlab.accuracy.configuration import (
     elements_for,
     exchangeable,
     integrators_for,
+    possible,
 )
 from contactlab.accuracy.judged import Judge, PressuresJudged, line_of, mean_profile
 from contactlab.accuracy.remaining import Ladder, left_at, truth_of
-from contactlab.api import ContactCurve, Record
+from contactlab.api import ContactCurve, Job, Record
 from contactlab.cli import main
+from contactlab.jobs.perform import made
 from contactlab.jobs.run import Run, here
 from contactlab.parts.registry import default_registry
 from contactlab.scene.scene import Scene, load_scene
@@ -263,6 +265,117 @@ def test_configurations_name_the_keys_that_run_takes() -> None:
     assert scene.integrator["steps"] == 20
     assert scene.data["contacts"][0]["swap"]
     assert {body["element"]["use"] for body in scene.data["bodies"].values()} == {"q2"}
+
+
+# --- smooth surfaces ------------------------------------------------------------------------------------
+
+WARNING = {"code": "coarse-facets", "key": "contacts.0.smooth"}
+
+
+def facets(run: Run, warned: bool = True) -> Record:
+    """Facets leave 40 % on the coarsest mesh and report it, q2 a quarter of that, and smooth surfaces a fortieth."""
+    scene = run.scene
+    smooth = scene.contacts[0].smooth
+    off = 0.01 if smooth else 0.1 if "q2" in _name(scene) else 0.4
+    found = record(lambda x: (1.0 + off / scene.level) * EXACT(x), 0.2 * scene.level**2)
+    warnings = [WARNING] if warned and not smooth else []
+    return Record("finished", "", {**found.summary, "warnings": warnings}, curves=found.curves)
+
+
+def test_smooth_surfaces_are_tried_where_facets_are_coarse() -> None:
+    made: list[Scene] = []
+
+    def make(run: Run) -> Record:
+        made.append(run.scene)
+        return facets(run)
+
+    found = chosen(make, 0.02)
+    assert found.verdict == "ok"
+    assert found.choice["contacts.0.smooth"] is True
+    assert found.level == 1
+    assert ", smooth" in found.name
+    assert SCENE.with_(dict(found.choice)).contacts[0].smooth
+    smooth = {_name(scene).rsplit(" ", 1)[0] for scene in made if scene.contacts[0].smooth}
+    own = SCENE.data["bodies"]["disc"]["element"]["use"]
+    assert {name.split()[1] for name in smooth} == {own, "q1-fbar"}
+    assert {name.split()[0] for name in smooth} == {"mortar-p0", "mortar-p1", "mortar-dual"}
+
+
+def test_scenes_without_coarse_facets_have_no_trial_with_smooth_surfaces() -> None:
+    made: list[bool] = []
+
+    def make(run: Run) -> Record:
+        made.append(run.scene.contacts[0].smooth)
+        return facets(run, warned=False)
+
+    found = chosen(make, 0.02)
+    assert not any(made)
+    assert "contacts.0.smooth" not in found.choice
+
+
+def test_algorithms_and_elements_that_cannot_be_smooth_do_without() -> None:
+    scene, registry = SCENE.with_({"contacts.0.smooth": True}), default_registry()
+    for algorithm, element, able in (("mortar-p0", "", True), ("mortar-p0", "q2", False), ("gauss-point", "", False)):
+        own = Configuration(algorithm, (), element)
+        found = possible(own, scene, registry)
+        assert found is not None
+        assert scene.with_(found.changes(scene.data, 1)).contacts[0].smooth is able
+        assert ("not smooth" in found.named(1)) is not able
+        assert possible(own, SCENE, registry) == own
+        assert (possible(Configuration(algorithm, (), element, smooth=(0,)), SCENE, registry) is not None) is able
+
+
+def test_names_tell_which_contacts_are_smooth() -> None:
+    assert Configuration("mortar-p0", (0,), smooth=(0,)).named(1) == "mortar-p0, smooth, exchanged"
+    assert Configuration("mortar-p0", smooth=(1,)).named(3) == "mortar-p0, smooth contacts.1"
+
+
+def test_a_shrink_fit_of_half_rings_is_answered_with_lames_pressure() -> None:
+    """Facets of unlike meshes leave most of the pressure away; the error promised holds against the closed form."""
+    a, b, c, over = 4.0, 6.0, 8.5, 0.006
+    inner, outer, poisson = 70000.0, 7000.0, 0.3
+
+    def body(material: str, radii: list[float], cells: list[int]) -> dict[str, Any]:
+        mesh = {"use": "ring", "radii": radii, "cells": cells, "angles": [0.0, 180.0]}
+        return {"element": "q1", "material": material, "mesh": mesh}
+
+    scene = Scene.from_data({
+        "format": 1, "name": "fit", "integrator": {"use": "newton"},
+        "materials": {
+            name: {"use": "linear-elastic", "young": young, "poisson": poisson, "density": 1e-9}
+            for name, young in (("hard", inner), ("soft", outer))
+        },
+        "bodies": {"in": body("hard", [a, b + over], [20, 4]), "out": body("soft", [b, c], [16, 4])},
+        "contacts": [{
+            "slave": "in.outer", "master": "out.inner", "algorithm": "mortar-p0", "start": {"overlap": "ramp"},
+        }],
+        "supports": [{"on": f"{name}.{end}", "uy": 0.0} for name in ("in", "out") for end in ("start", "end")],
+        "effects": [
+            {"use": "spring", "on": on, "stiffness": [1e-2, 0.0]} for on in ("in.inner", "out.outer")
+        ],
+    }, registry=default_registry())  # fmt: skip
+
+    def make(run: Run) -> Record:
+        own, element = run.scene, run.scene.data["bodies"]["in"]["element"]["use"]
+        kinds = element, own.contacts[0].algorithm["use"], own.integrator["use"]
+        fast = kinds == ("q1", "mortar-p0", "newton") and own.level <= 4
+        return made(run.job, own) if fast else Record("refused", "to save time", {})
+
+    found = chosen(make, 0.03, scene)
+    assert found.verdict == "ok"
+    assert found.error_interval is not None
+    run = made(Job("run", dict(scene.data), found.choice, curves="last"), scene.with_(dict(found.choice)))
+    # plane strain: u = p r (1 + nu) ((1 - 2 nu) r^2 + R^2) / E (r^2 - R^2) with the other radius R of the ring
+    soft, hard = (
+        (1.0 + poisson) / young * ((1.0 - 2.0 * poisson) * b**2 + other**2) / abs(b**2 - other**2)
+        for young, other in ((outer, c), (inner, a))
+    )
+    lame = over / b / (soft + hard)
+    curve = run.curve()
+    off = float(np.sqrt(np.mean((np.asarray(curve.pressure)[1:-1] / lame - 1.0) ** 2)))
+    assert off <= 0.03
+    own = made(Job("run", dict(scene.data), curves="last"), scene).curve()
+    assert abs(np.mean(own.pressure) / lame - 1.0) > 0.2
 
 
 # --- pressures along lines, and what is left of errors --------------------------------------------------
