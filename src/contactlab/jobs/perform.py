@@ -42,10 +42,12 @@ def perform(run: Run, folder: Path | None, report: Report) -> bytes:
 
     An interrupted run in `folder` is continued, a finished one is read back, and one without results is made again.
     """
+    from contactlab.api.compiled.compiler import COMPILATION
+
     if run.timed:
         be_ready(run, report)
     report(BEGUN)
-    began = process_time()
+    began, compiled = process_time(), COMPILATION.seconds
     over = Event()
     try:
         with cpu_limit(LEEWAY * run.cpu_limit) if run.cpu_limit < float("inf") else nullcontext(over) as over:
@@ -55,6 +57,7 @@ def perform(run: Run, folder: Path | None, report: Report) -> bytes:
     if over.is_set():
         report(WORN)
         record = ended("timed-out", f"stopped after {run.cpu_limit:g} CPU s", cpu_limit=run.cpu_limit)
+        began += COMPILATION.seconds - compiled  # of a run that finished its summary has this time
     facts = {"system": system_facts(), "machine": machine(), "process_s": process_time() - began}
     return to_bytes(replace(record, summary={**record.summary, **facts}))
 
@@ -162,19 +165,27 @@ class CpuLimitReached(Exception):
 def cpu_limit(seconds: float) -> Iterator[threading.Event]:
     """Interrupt what runs inside, as Ctrl-C does, when this process has used this CPU time [s]; again after as much.
 
-    A thread looks at the clock: timers of the system that count CPU time make that clock itself coarse while they run
-    (4 ms on Linux). Without effect outside of the main thread, the only one that is interrupted. Raises
-    CpuLimitReached, unless what runs inside ends in order: the event that it gets is set then, too.
+    Compilation does not count: the first run of an installation has all of it. A thread looks at the clock: timers of
+    the system that count CPU time make that clock itself coarse while they run (4 ms on Linux). Without effect outside
+    of the main thread, the only one that is interrupted. Raises CpuLimitReached, unless what runs inside ends in order:
+    the event that it gets is set then, too.
     """
     if threading.current_thread() is not threading.main_thread():
         yield threading.Event()
         return
-    ended, over, began = threading.Event(), threading.Event(), process_time()
+    from contactlab.api.compiled.compiler import COMPILATION
+
+    ended, over = threading.Event(), threading.Event()
+
+    def clock() -> float:
+        return process_time() - COMPILATION.seconds
+
+    began = clock()
 
     def look() -> None:
         allowed = seconds
-        while not ended.wait(max(allowed - (process_time() - began), SHORTEST)):
-            if process_time() - began >= allowed:
+        while not ended.wait(max(allowed - (clock() - began), SHORTEST)):
+            if clock() - began >= allowed and not COMPILATION.depth:  # what goes on is not in its seconds
                 over.set()
                 allowed += seconds
                 _thread.interrupt_main()

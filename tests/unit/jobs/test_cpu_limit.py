@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import signal
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from time import process_time, sleep
 
 import pytest
 
 from contactlab.api import Job
+from contactlab.api.compiled.compiler import COMPILATION
 from contactlab.jobs.far_end import WORN
 from contactlab.jobs.perform import CpuLimitReached, cpu_limit, perform
 from contactlab.jobs.record import from_bytes
@@ -55,6 +56,21 @@ def test_waiting_is_free() -> None:
     """On a machine with other work a run waits most of the time."""
     with cpu_limit(0.1):
         sleep(0.4)
+
+
+def compile_and_compute(compiling: float, computing: float) -> None:
+    for seconds in (compiling, computing):
+        with COMPILATION if seconds == compiling else nullcontext():
+            began = process_time()
+            while process_time() - began < seconds:
+                pass
+
+
+def test_compilation_is_free() -> None:
+    with cpu_limit(0.3):
+        compile_and_compute(0.6, 0.05)
+    with pytest.raises(CpuLimitReached), cpu_limit(0.3):
+        compile_and_compute(0.6, LONGEST)
 
 
 def test_the_clock_stays_fine() -> None:
