@@ -11,7 +11,7 @@ import contactlab
 from contactlab.api.state import CONTACT_WORK
 from contactlab.errors import SceneError
 from contactlab.model.build import build
-from contactlab.results.energies import energies, split_of
+from contactlab.results.energies import energies
 
 SPLIT: dict[str, Any] = {"record.contact_work": True}
 FAST: dict[str, Any] = {"time.ramp": 1e-6}
@@ -25,7 +25,7 @@ def stepped(name: str, forces: str, algorithm: str, changes: dict[str, Any], ste
     changes = {"contacts.0.algorithm": algorithm, "contacts.0.enforcement": enforcement, **SPLIT, **changes}
     scene = contactlab.load_scene(name).with_(changes)
     model = build(scene, scene.registry)
-    advance, dt, split = model.bound_integrator().step, 0.9 * model.stable_step(), split_of(model)
+    advance, dt, split = model.bound_integrator().step, 0.9 * model.stable_step(), model.split
     assert split is not None
     parts, work = np.zeros((steps, 4)), np.zeros(steps)
     for number in range(steps):
@@ -75,7 +75,7 @@ def test_conditions_that_come_finished_have_closing_and_the_step_alone() -> None
     from contactlab.contact.work_split import OperatorSplit, PairSplit
 
     model, _ = stepped("disc-on-block", "frozen", "mortar-p0", FAST, 250)
-    split = split_of(model)
+    split = model.split
     assert split is not None
     (pair,) = split.pairs
     assert isinstance(pair, OperatorSplit)

@@ -16,7 +16,7 @@ import contactlab
 from contactlab.api import Floats, Setup, Surface
 from contactlab.cases.run_case import run_job, scene_of
 from contactlab.contact.operator_pair import OperatorPair
-from contactlab.contact.smooth_surfaces import SmoothSurfaces
+from contactlab.contact.smooth_pair import SmoothPair
 from contactlab.errors import RequestError
 from contactlab.meshing.mesh import surface_from_edges
 from contactlab.run.simulation import simulate
@@ -34,9 +34,8 @@ def chain(first: int, nodes: int) -> Surface:
 def gaps(positions: Floats, slave: int, *, smooth: bool = True) -> Floats:
     """Gaps [mm] between a chain of `slave` nodes and one of the other nodes, where they cover each other fully."""
     sides = chain(0, slave), chain(slave, len(positions) - slave)
-    pair = OperatorPair("contacts.0", MortarP1(), *sides, positions, 0, None, np.zeros(slave, np.bool_))
-    if smooth:
-        pair.smooth = SmoothSurfaces(pair, positions)
+    kind = SmoothPair if smooth else OperatorPair
+    pair = kind("contacts.0", MortarP1(), *sides, positions, 0, None, np.zeros(slave, np.bool_))
     pair.update(positions, np.zeros((0, slave)))
     return np.asarray(pair.gaps[:, 0].copy())
 

@@ -8,9 +8,9 @@ from typing import Any
 from contactlab.commands.common import ROOM_TO_SPARE, console, print_json, registry_with
 from contactlab.errors import PartError, did_you_mean
 from contactlab.parts.loading import Broken
-from contactlab.parts.registry import Offer, Registry
+from contactlab.parts.registry import Offer, Registry, usual_order
 from contactlab.reports.sheet import Column, Sheet
-from contactlab.scene.auto import AUTO, usual_order
+from contactlab.scene.auto import AUTO
 
 
 def parts(options: argparse.Namespace) -> int:

@@ -5,21 +5,18 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable, Sequence
-from functools import partial
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, ClassVar, cast
+from typing import Any, ClassVar
 
 import numpy as np
 
 from contactlab.api import ExplicitEnforcement, FactoredGradients, FactoredRows, Floats, GapRows, Rows, Solve, State
+from contactlab.contact.corner_pair import CornerPair
+from contactlab.contact.friction import taking_tractions, varying
 from contactlab.contact.pair import ContactPair, shown
-from contactlab.contact.sliding import FOLLOWED, taking_tractions, varying
+from contactlab.contact.sliding import FOLLOWED
 from contactlab.errors import WrongAnswer
 from contactlab.kernels.contact.pair import extrapolate, tangential_work
-
-if TYPE_CHECKING:
-    from contactlab.contact.corner_pair import CornerPair
-    from contactlab.contact.work_split import WorkSplit
 
 MARGIN = 0.1  # segment lengths: constraints with a larger gap cannot close within a step
 GROW = 1.5
@@ -33,7 +30,6 @@ class ContactSystem:
     forces act along the derivatives of the gaps.
     `compliance` belongs to the last solve: displacement (N, 2) [mm/N] per contact force within its step.
     `passes` are all pairs, an `OperatorPair` for each mortar; `pairs` are in reports (see `ContactPair.second`).
-    `split` sums the work by its sources, if the scene asks for it.
     `reduced` are rows before the couplings T of their multipliers are inverted, tried in this order before `rows`;
     `factored` are the rows that the last step began with.
     """
@@ -51,14 +47,12 @@ class ContactSystem:
         self.margin = MARGIN * min(pair.size for pair in pairs)
         self.rows = Rows.allocate(sum(pair.slots for pair in pairs), 64, self.friction)
         self.factored: FactoredRows | None = None
-        points = [cast("CornerPair", pair) for pair in pairs if pair.at_corners]
-        self.cornered = [(pair.corners, pair) for pair in points]
+        self.cornered = [(pair.corners, pair) for pair in pairs if isinstance(pair, CornerPair)]
         self.reduced = self._reductions(tuple(pair for pair in pairs if not pair.at_corners))
         if self.reduced:
             self.factored = self.reduced[0].rows.factors
         self.last, self.compliance = Solve(0, 0.0, 0, 0.0), np.zeros_like(state["displacement"])
         self.seconds = self.solution_s = 0.0
-        self.split: WorkSplit | None = None
         self.varying = varying(pairs, state)
 
     def calls_per_step(self) -> Counter[str]:
@@ -113,7 +107,7 @@ class ContactSystem:
         if self.varying:
             slip, _ = slips(self.rows, self.multipliers.shape[1], compliance, force)
             for pair, sliding in self.varying:
-                sliding.accept(pair, slip[pair.own], self.multipliers[0, pair.own])
+                sliding.accept(pair.cover, slip[pair.own], self.multipliers[0, pair.own], pair.idle)
         work, dissipation = tangential_work(
             self.rows.count, self.rows, self.multipliers, mean_velocity, dt, compliance, force
         )
@@ -122,7 +116,7 @@ class ContactSystem:
     @property
     def begin(self) -> tuple[Callable[[float, float], None], ...]:
         """Functions called with the end and the length [s] of each step before it: bounds that vary."""
-        return tuple(partial(sliding.begin_step, pair) for pair, sliding in self.varying)
+        return tuple(sliding.begin_step for _, sliding in self.varying)
 
     @property
     def follow(self) -> tuple[Callable[[float, float], None], ...]:
@@ -147,7 +141,7 @@ class ContactSystem:
         for _ in range(ROUNDS):
             slip, give = slips(self.rows, self.multipliers.shape[1], compliance, force)
             change = max(
-                sliding.follow(pair, slip[pair.own], give[pair.own], self.multipliers[:, pair.own])
+                sliding.follow(pair.cover, slip[pair.own], give[pair.own], self.multipliers[:, pair.own])
                 for pair, sliding in self.varying
             )
             if change <= FOLLOWED:

@@ -26,8 +26,7 @@ class PairGradients:
         Returns the next free entry, or -1 if `out` is too small.
         """
         pair, found = self.pair, self.found(memory)
-        taken = pair.corners is not None and pair.corners.moved
-        first, margin = out.count, FAR if pair.everywhere or taken else min(margin, FAR)
+        first, margin = out.count, FAR if pair.everywhere or pair.takes_rows else min(margin, FAR)
         used = pair.count, found.count, found.normal_count
         count, end = gap_gradients.write_rows(
             pair.address, found, used, margin, multipliers, pair.first_slot, (first, entries), out
@@ -40,7 +39,7 @@ class PairGradients:
             else:
                 pair.write_bounds(out, first, count)
         out.count = count
-        return pair.corners.take_rows(out, first, int(end)) if pair.corners is not None else int(end)
+        return pair.take_rows(out, first, int(end))
 
     def found(self, memory: Floats) -> GapGradients:
         """Return derivatives of the last update, given by the algorithm or built from its derivatives."""

@@ -14,11 +14,11 @@ from scipy.sparse import csr_array
 from contactlab.api import Conditions, ContactDerivatives, Floats, FrictionBound, ImplicitEnforcement, Ints, Rows, State
 from contactlab.api.compiled.friction import STICKS
 from contactlab.contact.examination import examine_pair
+from contactlab.contact.friction import held_together, taking_tractions, varying
 from contactlab.contact.linearisation import linearised
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair, shown
 from contactlab.contact.passage import first_passage
-from contactlab.contact.sliding import held_together, taking_tractions, varying
 from contactlab.implicit.sparse import stacked, total
 from contactlab.kernels.contact.coupling import Coupling
 
@@ -115,8 +115,8 @@ class ImplicitContactSystem:
             potential.begin_step(position, (time - self.state.time) / self.tenth)
             # forces that the last step wrote for reports belong to no constraint
             self.multipliers[:, potential.own] = 0.0
-        for pair, sliding in self.varying:
-            sliding.begin_step(pair, time, time - self.state.time)
+        for _, sliding in self.varying:
+            sliding.begin_step(time, time - self.state.time)
         if self.store is not None and self.store.memory is not None:
             self.store.memory.begin_step(time, time - self.state.time)
         self._release(time)
@@ -171,7 +171,7 @@ class ImplicitContactSystem:
         if self.store is not None:
             self.store.accept(self.conditions)
         for pair, sliding in self.varying:
-            sliding.accept(pair, self.conditions.slip[pair.own], self.multipliers[0, pair.own])
+            sliding.accept(pair.cover, self.conditions.slip[pair.own], self.multipliers[0, pair.own], pair.idle)
         for coupling, freedom in self._couplings():
             freedom[:] = self._freed(coupling, freedom)
         self.gradual = self.pace < 1.0
@@ -257,7 +257,7 @@ class ImplicitContactSystem:
         for pair, sliding in self.varying:
             slip, force = c.slip[pair.own], self.multipliers[:, pair.own]
             give = sliding.measured_give(slip, force[1], 1.0 / c.stiffness[pair.own])
-            if sliding.follow(pair, slip, give, force) > SETTLED:
+            if sliding.follow(pair.cover, slip, give, force) > SETTLED:
                 self._write_bounds(pair)
                 follow = False
         return follow

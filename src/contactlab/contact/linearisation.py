@@ -18,6 +18,7 @@ import numpy as np
 from contactlab.api import ContactDerivatives, Floats, Ints
 from contactlab.api.derivatives import PieceDerivatives
 from contactlab.api.surface import SurfacePositions
+from contactlab.contact.cornered_pair import CorneredPair
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair, turned
 from contactlab.implicit.sparse import compressed, picked, product, summed, total, transposed
@@ -25,6 +26,8 @@ from contactlab.kernels.contact import weights as kernels
 from contactlab.kernels.contact.pair import BandedRows
 
 Entries = tuple[Ints, Ints, Floats]  # rows, columns, values; entries at the same place are added
+Parts = tuple[dict[tuple[int, int], Entries], list[Entries]]
+"""Each kind of rows, gaps and slips, is a sum of parts (kind, change) times these changes."""
 
 CUT = 1e-13  # weights below it move gaps by less than round-off: linear problems end after one iteration
 
@@ -94,9 +97,13 @@ def linearised(pair: ContactPair, nodes: int, consistent: bool = False, whole_st
         from contactlab.contact.half_passes import HalfPassLinearisation
 
         found = HalfPassLinearisation(pair, nodes)
+    elif pair.smooth:
+        from contactlab.contact.smooth_pair import SmoothLinearisation
+
+        found = SmoothLinearisation(pair, nodes)
     else:
         found = (ConsistentLinearisation if consistent and not whole_steps else PairLinearisation)(pair, nodes)
-        if pair.corners is not None:
+        if isinstance(pair, CorneredPair):
             from contactlab.contact.taken_linearisation import TakenLinearisation
 
             found = TakenLinearisation(found, pair.corners)  # passes through unless a corner is touched
@@ -166,30 +173,28 @@ class PairLinearisation(Linearisation):
 
         w_0 belongs to the positions and separations at the start of the step, tau_0 to its normals.
         """
-        pair, separation, own = self.pair, self.pair.separation, (chosen, chosen, np.ones(len(chosen)))
-        changes = [self._weight_changes(pieces, wanted, pair.at, separation), self._normal_changes(pieces)]
-        # (kind, change): each kind of rows, gaps and slips, is a sum of parts times changes
-        parts = {(0, 0): _spread(inverse, pair.normals), (0, 1): _spread(own, separation)}
-        if len(directions) > 1:
-            assert pair.sliding is not None
-            changes.append(self._weight_changes(pieces, wanted, pair.sliding.began, self.start_separation))
-            # tau . r = nu . (r turned by +90 degrees)
-            parts[1, 0], parts[1, 1] = _spread(inverse, directions[1]), _spread(own, -turned(separation))
-            parts[1, 2] = _spread(inverse, -turned(pair.sliding.before))
-        if pair.smooth is not None:
-            # gaps gain nu . c, c = T^-T C, which changes with nu, T and C
-            shift, nowhere = pair.smooth.shifts(pair.at), SurfacePositions(*(np.zeros_like(at) for at in pair.at))
-            parts[0, 1] = _spread(own, separation + shift)
-            for more in (self._weight_changes(pieces, wanted, nowhere, shift), pair.smooth.derivatives(self.memory)):
-                parts[0, len(changes)] = parts[0, 0]
-                changes.append(more)
-        place = np.full(pair.slots, -1, np.int32)
+        parts, changes = self._parts(chosen, directions, inverse, pieces, wanted)
+        place = np.full(self.pair.slots, -1, np.int32)
         place[chosen] = np.arange(len(chosen))
-        rows, columns = len(chosen), 2 * pair.slots
+        rows, columns = len(chosen), 2 * self.pair.slots
         left = [(kind * rows + place[at], of * columns + j, x) for (kind, of), (at, j, x) in parts.items()]
         right = [(of * columns + row, j, x) for of, (row, j, x) in enumerate(changes)]
         between = columns * len(changes)
         return product(_sparse(left, (rows * len(directions), between)), _sparse(right, (between, self.size)))
+
+    def _parts(
+        self, chosen: Ints, directions: list[Floats], inverse: Entries, pieces: PieceDerivatives, wanted: Floats
+    ) -> Parts:
+        pair, separation, own = self.pair, self.pair.separation, (chosen, chosen, np.ones(len(chosen)))
+        changes = [self._weight_changes(pieces, wanted, pair.at, separation), self._normal_changes(pieces)]
+        parts = {(0, 0): spread(inverse, pair.normals), (0, 1): spread(own, separation)}
+        if len(directions) > 1:
+            assert pair.sliding is not None
+            changes.append(self._weight_changes(pieces, wanted, pair.sliding.began, self.start_separation))
+            # tau . r = nu . (r turned by +90 degrees)
+            parts[1, 0], parts[1, 1] = spread(inverse, directions[1]), spread(own, -turned(separation))
+            parts[1, 2] = spread(inverse, -turned(pair.sliding.before))
+        return parts, changes
 
     def tangents(self, chosen: Ints) -> Any:
         """Return weights times tangents."""
@@ -296,10 +301,6 @@ class ConsistentLinearisation(PairLinearisation):
             return
         pieces, traction = pair.derivatives(self.memory), self._tractions(y, None)
         separation, force = pair.separation, normal.reshape(-1)
-        if pair.smooth is not None:
-            separation = separation + pair.smooth.shifts(pair.at)
-            row, column, value = pair.smooth.derivatives(self.memory)
-            np.add.at(force, column, traction.ravel()[row] * value)
         kernels.add_weight_changes(
             pieces.count, _arrays(pieces), pair.coupling.owner, traction, tuple(pair.at), separation, self._nodes, force
         )
@@ -324,7 +325,7 @@ def entries(chosen: Ints, rows: BandedRows, cut: float) -> Entries:
     return _first(out, count)
 
 
-def _spread(rows: Entries, vectors: Floats) -> Entries:
+def spread(rows: Entries, vectors: Floats) -> Entries:
     """Return entries times the components of vectors (k, 2) of their rows, in columns 2 column + component."""
     row, column, value = rows
     return np.repeat(row, 2), _both(column), (value[:, None] * vectors[row]).ravel()

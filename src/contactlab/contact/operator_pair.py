@@ -9,6 +9,7 @@ import numpy as np
 
 from contactlab.api import (
     ContactAlgorithm,
+    ContactView,
     FactoredRows,
     Floats,
     FrictionLaw,
@@ -23,8 +24,7 @@ from contactlab.api.arrays import Flags
 from contactlab.api.compiled.bound_arrays import BoundArrays
 from contactlab.api.derivatives import PieceDerivatives
 from contactlab.api.surface import SurfacePositions
-from contactlab.contact.corner_report import corner_pieces, with_corners, with_shares
-from contactlab.contact.corners import Corners
+from contactlab.contact.corner_report import corner_pieces, with_shares
 from contactlab.contact.examination import copies, refuse_written
 from contactlab.contact.pair import ContactPair, ContactSnapshot
 from contactlab.errors import WrongAnswer
@@ -47,7 +47,6 @@ class OperatorPair(ContactPair):
     pieces      their arrays, `count` of them in use
     coupling    the factorised T of the last `update`; the columns are of D and M
     separation  (k, 2) [mm] weighted slave positions minus weighted master positions, as last measured
-    corners     corners of the master that hold the pair; None without any
     measured    positions of the nodes of both sides at which gaps are measured
     before      their positions in the near list
     lumped      True if T of the last `update` was made diagonal: as the algorithm asks, or since a closed chain
@@ -85,7 +84,6 @@ class OperatorPair(ContactPair):
         self.pieces = Pieces.allocate(0, self.widths, k)
         self.columns = BothSides(BandedRows.allocate(k, 8), BandedRows.allocate(k, 8))
         self._weights = BothSides(BandedRows.allocate(k, 8), BandedRows.allocate(k, 64))
-        self.corners: Corners | None = None
         self._solved, self._unchecked, self.lumped = False, True, False
         self._derivatives: PieceDerivatives | None = None
         self._differences: Callable[[Floats], PieceDerivatives] | None = None
@@ -135,16 +133,10 @@ class OperatorPair(ContactPair):
             refuse_wrong(pieces, count, *nodes, type(self.algorithm).__name__)
             self._unchecked = False
         self.count = count
-        self._join()
-        # none of them unless a scene asks, or the slave comes to a corner
-        if self.smooth is not None:
-            self.smooth.update(memory)
-            self.smooth.add(self.measured, self.gaps)
+        self._join(view)
         self._take_start_gaps(self.gaps)
-        if self.corners is not None:
-            self.corners.update()
 
-    def _join(self) -> None:
+    def _join(self, view: ContactView) -> None:
         """Compute coupling, columns (widened as needed) and gaps of the integration segments."""
         straight, k, self.lumped = self.slave.edges.shape[1] == 2, self.slots, self.algorithm.lumped
         if self.lumped:
@@ -170,11 +162,6 @@ class OperatorPair(ContactPair):
         at = SurfacePositions(positions[self.slave.nodes], positions[self.master.nodes])
         separation, gaps = np.zeros((self.slots, 2)), np.zeros((self.slots, 2))
         self.separations(at, self.normals, separation, gaps)
-        if self.smooth is not None:
-            self.smooth.add(at, gaps)
-        if self.corners is not None:
-            self.corners.take(gaps)
-            self.corners.lift(gaps)
         return gaps
 
     def separations(self, at: SurfacePositions, normals: Floats, separation: Floats, gaps: Floats) -> None:
@@ -249,11 +236,9 @@ class OperatorPair(ContactPair):
 
     def append_rows(self, out: Rows, entries: int, margin: float, multipliers: Floats, current: Floats) -> int:
         """Append rows with a gap below `margin` [mm] or a force to `out`."""
-        if self.everywhere:
+        if self.everywhere or self.takes_rows:
             margin = FAR
-        first, taken = out.count, self.corners is not None and self.corners.moved
-        if taken:
-            margin = FAR
+        first = out.count
         self.weights()
         count, end = kernels.write_rows(
             self.address, min(margin, FAR), multipliers, self.first_slot, first, entries, out
@@ -262,7 +247,16 @@ class OperatorPair(ContactPair):
             return -1
         self._append_slips(out, first, count, current)
         out.count = count
-        return self.corners.take_rows(out, first, int(end)) if self.corners is not None else int(end)
+        return self.take_rows(out, first, int(end))
+
+    @property
+    def takes_rows(self) -> bool:
+        """True if `take_rows` changes rows, and needs all of them."""
+        return False
+
+    def take_rows(self, rows: Rows, first: int, entries: int) -> int:
+        """Change rows from `first` on. Return the next free entry, or -1 without room."""
+        return entries
 
     # --- from multipliers to pressures ----------------------------------------------------------
 
@@ -273,16 +267,15 @@ class OperatorPair(ContactPair):
     def snapshot(self, state: State, position: Floats) -> ContactSnapshot:
         """Return the snapshot of every pair, with nodal forces from forces at corners of the master."""
         seen = super().snapshot(state, position)
-        if not self.holds_corners:
-            return seen
-        return with_shares(self, seen) if self.corners is None else with_corners(self, seen, state["multipliers"])
+        return self._at_nodes(seen, state["multipliers"]) if self.holds_corners else seen
+
+    def _at_nodes(self, seen: ContactSnapshot, multipliers: Floats) -> ContactSnapshot:
+        return with_shares(self.slave, self.pieces, self.count, seen)
 
     @property
     def holds_corners(self) -> bool:
         """True if corners of the master have constraints whose forces reports show at the slave's nodes."""
-        if self.corners is not None:
-            return self.corners.touching
-        return isinstance(self.method, PointContact) and len(corner_pieces(self)) > 0
+        return isinstance(self.method, PointContact) and len(corner_pieces(self.pieces, self.count)) > 0
 
 
 def _lump(T: Floats) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from time import perf_counter
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -26,9 +26,6 @@ from contactlab.contact.sliding import sliding_of
 from contactlab.contact.start_gaps import StartGaps
 from contactlab.kernels.contact.pair import FAR, write_slips
 from contactlab.kernels.contact.search import REACH, Near, longest_segment, take
-
-if TYPE_CHECKING:
-    from contactlab.contact.smooth_surfaces import SmoothSurfaces
 
 _ALL = slice(None)
 HELD = 2.0  # longest segments of the slave: deeper overlaps are the far side of a thin body for mortars
@@ -81,7 +78,6 @@ class ContactPair(ABC):
     cover      (k,) [mm] overlap length of each multiplier, of the last `update`, 0 without a constraint
     full       (k,) [mm] length of the slave segments at each multiplier, on full overlap, of the last `update`
     start_gaps the share of the initial gaps that does not count; None if they count in full
-    smooth     curves that gaps are measured between; None if they are measured between segments
     sliding    data of friction; None without
     half       True if forces act on the slave alone, as another pass has the sides exchanged
     second     True for this other pass, and for points at corners: no report shows them
@@ -101,6 +97,8 @@ class ContactPair(ABC):
     """True if its constraints are points at corners, in addition to another pair."""
     idle: bool = False
     """True if it has no constraints, and needs none."""
+    smooth: ClassVar[bool] = False
+    """True if gaps are measured between curves through the nodes."""
     by_energy: ClassVar[bool] = False
     """True if forces come from a `Potential`, without constraints."""
     clearance: float = 0.0
@@ -129,8 +127,7 @@ class ContactPair(ABC):
         self.near: Near | None = None
         self.gaps = np.full((self.slots, 2), FAR)
         self.start_gaps: StartGaps | None = None
-        self.smooth: SmoothSurfaces | None = None
-        self.sliding = sliding_of(friction, self.slots, self.at)
+        self.sliding = sliding_of(friction, self.slots, slave, self.at)
         self.half = self.second = self.evaluated = False
         self.points: ContactPair | None = None
         self.memory: dict[str, Floats] = {}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -17,11 +17,8 @@ from contactlab.contact.explicit_system import ContactSystem
 from contactlab.contact.gradients import PairGradients
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair
-from contactlab.errors import SceneError
+from contactlab.errors import SceneError, Where
 from contactlab.kernels.contact.pair import FAR
-
-if TYPE_CHECKING:
-    from contactlab.errors import Where
 
 SAVED = "work_split"
 Instant = tuple[Floats, Floats]
@@ -107,8 +104,10 @@ class WorkSplit:
         return np.asarray(normal.T @ self.contact.multipliers[0, rows.slot[: rows.count]]).reshape(-1, 2)
 
 
-def split_work(contact: Any, integrator: Integrator, state: State, reference: Floats, where: Where) -> None:
-    """Let a contact system split its work. Raises SceneError if the scheme is not leapfrog."""
+def split_work(
+    contact: ContactSystem, integrator: Integrator, state: State, reference: Floats, where: Where
+) -> WorkSplit:
+    """Return what splits the work of a contact system. Raises SceneError if the scheme is not leapfrog."""
     if not isinstance(integrator, ExplicitIntegrator) or integrator.velocity_lag != LEAPFROG:
         raise SceneError(
             "the work of contact forces is split in explicit leapfrog steps only",
@@ -116,12 +115,12 @@ def split_work(contact: Any, integrator: Integrator, state: State, reference: Fl
             got=f"true, with {type(integrator).__name__}",
             allowed='false, or an explicit integrator like "central-difference"',
         )
-    if any(pair.smooth is not None for pair in contact.pairs):
+    if any(pair.smooth for pair in contact.pairs):
         raise SceneError(
             "the work of contact forces is split by derivatives of gaps between segments",
             where=where, got="true, with smooth = true of a contact", allowed="false, or smooth = false",
         )  # fmt: skip
-    contact.split = WorkSplit(contact, state, reference)
+    return WorkSplit(contact, state, reference)
 
 
 class PairSplit:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,11 +11,7 @@ from contactlab.api import Floats, ImplicitEquations, Iteration, State
 from contactlab.api.frame import SLIP
 from contactlab.implicit.factor import SingularSystem, with_diagonal
 from contactlab.implicit.saddle import SaddleSystem
-from contactlab.implicit.trial import AWAY, SHORTEST, LineSearch, Residual, Scales, Trial, force_scale
-
-if TYPE_CHECKING:
-    from contactlab.implicit.motion import LoadStep
-    from contactlab.implicit.time_step import TimeStep
+from contactlab.implicit.trial import AWAY, SHORTEST, Balance, LineSearch, Residual, Scales, Trial, force_scale
 
 AUGMENTATIONS = 40  # times the iterations of a step, for augmentations
 TAKEOVERS = 40  # times that friction may take newer normal forces or slips in a step
@@ -54,7 +49,7 @@ class NewtonIteration:
     """
 
     def __init__(
-        self, equations: ImplicitEquations, state: State, balance: LoadStep | TimeStep, tolerance: float, most: int
+        self, equations: ImplicitEquations, state: State, balance: Balance, tolerance: float, most: int
     ) -> None:
         self.tolerance, self.most = tolerance, most
         self.trial = Trial(equations, state, balance)

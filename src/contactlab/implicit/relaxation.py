@@ -11,17 +11,15 @@ Their work is the work of the jump, which bodies with inertia would turn into vi
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from contactlab.api import WORK, Floats, ImplicitEquations, Iteration, Response, State
+from contactlab.api import WORK, Floats, Iteration, Response
 from contactlab.implicit.factor import with_diagonal
 from contactlab.implicit.iteration import Outcome, take_back
+from contactlab.implicit.load_step import Drag, LoadStep
 from contactlab.implicit.trial import force_scale
-
-if TYPE_CHECKING:
-    from contactlab.implicit.motion import LoadStep
 
 NUMERICAL = WORK.index("numerical")
 SUBSTEPS = 80  # of a load step: convergent steps need 10 to 30
@@ -37,29 +35,40 @@ MOMENT = 1e-9  # of the step: time for time-dependent laws in substeps after the
 
 
 class Relaxation:
-    """The viscous forces of one run's load steps.
+    """Load steps of one run through states slowed by viscous forces.
 
-    active     True if the present substep has viscous forces
-    viscosity  (N, 2) [N/mm] D/h, 0 if displacements are given
+    drag       viscosity D/h, 0 if displacements are given, and displacements at the start of the substep with the drift
     drift      (N, 2) [mm] by which bodies follow their supports in the first substep, without viscous resistance
-    anchor     (N, 2) [mm] displacements at the start of the substep, and the drift
     """
 
-    def __init__(self, equations: ImplicitEquations, state: State) -> None:
-        self.equations, self.state = equations, state
-        self.active = False
-        nodes = len(equations.reference)
-        self.viscosity, self.drift, self.anchor, self.before = (np.zeros((nodes, 2)) for _ in range(4))
+    def __init__(self, load: LoadStep) -> None:
+        self.load, self.equations, self.state = load, load.equations, load.state
+        nodes = len(load.equations.reference)
+        self.drag, self.drift, self.before = Drag(nodes), np.zeros((nodes, 2)), np.zeros((nodes, 2))
 
-    def solve(self, load: LoadStep, dt: float) -> Outcome:
-        """Make a load step of length dt [s] in substeps; the state is undefined on failure."""
-        equations, state, iteration = self.equations, self.state, load.iteration
+    def solve(self, dt: float) -> Outcome:
+        """Advance the state by dt of (pseudo-)time; the state is undefined on failure."""
+        displacement, prediction = self.state["displacement"], self.load.prediction
+        before = displacement.copy()
+        try:
+            outcome = self._relax(dt)
+        finally:
+            self.load.drag = None
+        if not outcome.reason:
+            outcome.motion = displacement - before
+            if prediction is not None:
+                prediction.moved[:] = 0.0  # a jump is not extrapolated
+        return outcome
+
+    def _relax(self, dt: float) -> Outcome:
+        """Make a load step of length dt [s] in substeps."""
+        load, equations, state, iteration = self.load, self.equations, self.state, self.load.iteration
         prescribed, size = equations.prescribed, iteration.scales.size
         end = state.time + dt
         target = prescribed.scale * prescribed.values(end)[prescribed.ramp]
         begin = state["displacement"].copy()
         stiffness, damping = self._damping(dt)
-        self.drift[:] = self._carried(load, stiffness, damping, target)
+        self.drift[:] = self._carried(stiffness, damping, target)
         length, longest, small, accepted = FIRST * len(equations.reference), np.inf, SMALL, 0
         trace: list[Iteration] = []
         reason = f"{SUBSTEPS} substeps did not come to rest"
@@ -67,13 +76,13 @@ class Relaxation:
         for _ in range(SUBSTEPS):
             memory = state.snapshot()
             equations.begin_step(dt)
-            self.active = False
+            load.drag = None
             lasts = dt if not accepted else MOMENT * dt
             load.start(lasts, end if accepted else None)
             load.time = end
-            self.active = length < np.inf
-            self.viscosity[:] = damping / length
-            np.add(state["displacement"], self.drift, out=self.anchor)
+            load.drag = self.drag if length < np.inf else None
+            self.drag.viscosity[:] = damping / length
+            np.add(state["displacement"], self.drift, out=self.drag.anchor)
             outcome = iteration.run(lasts, target)
             trace += outcome.trace
             if outcome.reason:
@@ -83,8 +92,8 @@ class Relaxation:
                     reason = f"substeps failed: {outcome.reason}"
                     break
                 continue
-            left = self._left(load)
-            self._book(load)
+            left = self._left()
+            self._book()
             load.accept()
             accepted += 1
             self.drift[:] = 0.0
@@ -96,10 +105,6 @@ class Relaxation:
             longest = length
             length = np.inf if left <= small else length * (GROW if len(outcome.trace) <= EASY else 1.0)
         return Outcome(f"stabilised: {reason}", outcome.residual, trace)
-
-    def force(self) -> Floats:
-        """Return viscous forces (N, 2) [N] at the trial displacements."""
-        return self.viscosity * (self.anchor - self.state["displacement"])
 
     def _damping(self, dt: float) -> tuple[Any, Floats]:
         """Return the stiffness (2N, 2N) of the undeformed bodies, and D (N, 2) [N/mm]."""
@@ -114,7 +119,7 @@ class Relaxation:
         damping.reshape(-1)[equations.prescribed.dof] = 0.0
         return stiffness, damping
 
-    def _carried(self, load: LoadStep, stiffness: Any, damping: Floats, target: Floats) -> Floats:
+    def _carried(self, stiffness: Any, damping: Floats, target: Floats) -> Floats:
         """Return the motion (N, 2) [mm] by which undeformed bodies would follow their supports."""
         u, held = self.state["displacement"].reshape(-1), self.equations.prescribed.dof
         given = np.zeros(u.size)
@@ -123,16 +128,17 @@ class Relaxation:
             return np.zeros_like(damping)
         shifted = with_diagonal(stiffness, 1.0, SOFT * damping.reshape(-1))
         none = Response.allocate(1, 0)
-        carried, _ = load.iteration.system.step(shifted, np.zeros(u.size), given, None, none, np.inf)
+        carried, _ = self.load.iteration.system.step(shifted, np.zeros(u.size), given, None, none, np.inf)
         return carried.reshape(damping.shape)
 
-    def _left(self, load: LoadStep) -> float:
+    def _left(self) -> float:
         """Return the largest viscous force over the largest force."""
-        scales, trial = load.iteration.scales, load.iteration.trial
-        return float(np.abs(self.force()).max(initial=0.0)) / force_scale(list(trial.parts), scales.floor)
+        scales, trial = self.load.iteration.scales, self.load.iteration.trial
+        return float(np.abs(self.drag.force(trial.u)).max(initial=0.0)) / force_scale(list(trial.parts), scales.floor)
 
-    def _book(self, load: LoadStep) -> None:
+    def _book(self) -> None:
         """Book the work of a substep by the trapezoidal rule, as for all other forces."""
-        force, moved = self.force(), self.state["displacement"] - load.ledger.displacement
+        displacement = self.state["displacement"]
+        force, moved = self.drag.force(displacement), displacement - self.load.ledger.displacement
         self.state["work"][NUMERICAL] -= 0.5 * float(np.vdot(self.before + force, moved))
         self.before[:] = force

@@ -22,7 +22,7 @@ from contactlab.implicit.factor import with_diagonal
 from contactlab.implicit.impacts import Impacts, impacts_of
 from contactlab.implicit.iteration import NewtonIteration, Outcome
 from contactlab.implicit.sparse import combined, diagonal, picked, product, scaled, stacked, total, transposed
-from contactlab.implicit.trial import ContactForces
+from contactlab.implicit.trial import Balance, ContactForces
 
 MEET = "surfaces meet within it at a speed that matters"
 FRONTS = "contact changes faster than it can follow"
@@ -54,7 +54,7 @@ class StepStart:
         equations.external_force(state.time, self.load)
 
 
-class TimeStep:
+class TimeStep(Balance):
     """Makes steps in time.
 
     share       point of the step at which stresses are taken

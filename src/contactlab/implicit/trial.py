@@ -6,16 +6,13 @@ through each other, or contact states cycle.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from contactlab.api import Conditions, Floats, ImplicitContact, ImplicitEquations, Ints, Response, State
-
-if TYPE_CHECKING:
-    from contactlab.implicit.motion import LoadStep
-    from contactlab.implicit.time_step import TimeStep
 
 STUCK = 1e6  # coefficient of friction of surfaces that are to stick
 DEEPEST = 1.0  # segment lengths that a correction may push a surface into the other
@@ -29,10 +26,30 @@ ROUND_OFF = 8.0 * float(np.finfo(float).eps)  # of the force of the largest disp
 LOOSER = 1e-3  # weight of a constraint residual against an unbalanced force, whose error affects all nodes
 
 
+class Balance(ABC):
+    """A step that is iterated: stresses, unbalanced forces, and their derivative without contact."""
+
+    @abstractmethod
+    def update_stresses(self, dt: float) -> None:
+        """Compute stresses where the step needs them."""
+
+    @abstractmethod
+    def unbalanced(self, out: Floats) -> tuple[Floats, ...]:
+        """Fill unbalanced forces (N, 2) [N], and return their terms by kind."""
+
+    @abstractmethod
+    def stiffness(self, dt: float) -> Any:
+        """Return the derivative (2N, 2N) [N/mm] of the unbalanced forces, with the opposite sign."""
+
+    @abstractmethod
+    def of_stresses(self, diagonal: Floats) -> Floats:
+        """Return the part of the `diagonal` (N, 2) [N/mm] of `stiffness` by stresses."""
+
+
 class Trial:
     """Displacements `u` and multipliers of the state, changed in place, and derived quantities.
 
-    balance   the step that is iterated: it gives stresses, unbalanced forces and their derivative without contact
+    balance   the step that is iterated
     force     (N, 2) [N] unbalanced forces
     parts     the terms of these forces, by kind
     response  response of the enforcement to the contact constraints
@@ -40,7 +57,7 @@ class Trial:
     sticks    True while all surfaces with friction and pressure stick, whatever their bounds are
     """
 
-    def __init__(self, equations: ImplicitEquations, state: State, balance: LoadStep | TimeStep) -> None:
+    def __init__(self, equations: ImplicitEquations, state: State, balance: Balance) -> None:
         self.equations, self.balance, self.contact = equations, balance, equations.contact
         self.u, self.held = state["displacement"], equations.prescribed.dof
         self.sticks = False

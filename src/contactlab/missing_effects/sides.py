@@ -86,7 +86,7 @@ class WrongSide:
         rough = [float(forces @ turn) for turn in turns]
         own = -_nodal_normals(slave, pair.slave)[nodes]
         # curves of smooth surfaces turn alike on both sides, however coarse their segments are
-        if max(rough) <= ROUGHER * min(rough) or pair.smooth is not None:
+        if max(rough) <= ROUGHER * min(rough) or pair.smooth:
             self.worst[5] += forces @ _cross(normals, own)
             self.worst[1] += forces.sum()
             return

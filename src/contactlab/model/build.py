@@ -26,10 +26,10 @@ from contactlab.parts.error_origin import part_errors
 
 if TYPE_CHECKING:
     from contactlab.api import Effect
+    from contactlab.model.bodies.body import RigidSurface
     from contactlab.model.bodies.frequency import Joints
     from contactlab.model.contact.systems import ContactPlan
     from contactlab.model.loading.ramps import RampTime
-    from contactlab.model.loading.rigid import RigidSurface
     from contactlab.parts.registry import Registry
     from contactlab.scene.keys import Body as SceneBody
     from contactlab.scene.scene import Scene
@@ -88,10 +88,11 @@ def _built(scene: Scene, registry: Registry) -> Model:
         plans, bodies=bodies, forces=forces, reference=reference, position=position, state=state, mass=mass,
         held=prescribed.dof, ramp=timing.ramp, driven=driven,
     )  # fmt: skip
+    split = None
     if scene.record.contact_work and contact is not None:
         from contactlab.contact.work_split import split_work
 
-        split_work(contact, integrator, state, reference, scene.where("record.contact_work"))
+        split = split_work(contact, integrator, state, reference, scene.where("record.contact_work"))
     effects = _effects(made, scene, registry, bodies, rigid, reference, state, told, timing.ramps)
     loads = _loads(scene, bodies, reference, position, timing.ramps, told)
     # the block calls of all bodies in order of execution
@@ -103,6 +104,7 @@ def _built(scene: Scene, registry: Registry) -> Model:
         mass=mass,
         prescribed=prescribed,
         contact=contact,
+        split=split,
         state=state,
         integrator=integrator,
         bodies=bodies,
@@ -234,7 +236,8 @@ def _needs(model: Model, scene: Scene) -> None:
         if "traction" in pair.sliding.law.needs and not pair.at_corners:
             from contactlab.model.contact.traction_behind import TractionBehind
 
-            pair.sliding.tractions = TractionBehind((pair,), model.forces, model.position, pair.own.stop)
+            behind = TractionBehind((pair,), model.forces, model.position, pair.own.stop)
+            pair.sliding.tractions = partial(behind.values, pair.own)
     if pressing is not None:
         fields.give(pressing, pressing.points, "contacts.0.enforcement")
         store.begin()

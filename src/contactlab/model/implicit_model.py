@@ -18,7 +18,6 @@ from contactlab.model.model import Model
 
 if TYPE_CHECKING:
     from contactlab.contact.implicit_system import ImplicitContactSystem
-    from contactlab.model.loading.load_stiffness import LoadStiffness
 
 SAME = 1e-9  # of the ramp: times that differ by less are equal
 
@@ -47,7 +46,7 @@ class ImplicitModel(Model):
         self._tangent: Tangent | None = None
         self.stiffness_s = 0.0
         self.listening: Callable[[], None] | None = None
-        self._load_stiffness: LoadStiffness | None = None
+        self._add_load_stiffness: Callable[[float, float, float, Floats], None] | None = None
         self._derivatives = [
             np.ascontiguousarray(body.element.shape(body.element.quadrature().points).gradient) for body in self.bodies
         ]
@@ -125,12 +124,12 @@ class ImplicitModel(Model):
         """Add minus the derivative of the loads; see `contactlab.api.ImplicitEquations`."""
         if not self.loading.loads:
             return
-        if self._load_stiffness is None:
+        if self._add_load_stiffness is None:
             from contactlab.model.loading.load_stiffness import LoadStiffness
 
             assert self._tangent is not None
-            self._load_stiffness = LoadStiffness(self, self._tangent.pattern.place_of)
-        self._load_stiffness.add(time, share, rate, stiffness.data)
+            self._add_load_stiffness = LoadStiffness(self, self._tangent.pattern.place_of).add
+        self._add_load_stiffness(time, share, rate, stiffness.data)
 
     def estimate(self, time: float) -> Estimate | None:
         """Return the entry of `estimates` at this time; see `contactlab.api.ImplicitEquations`."""

@@ -28,12 +28,13 @@ from contactlab.model.bodies.stable_step import StableStep
 from contactlab.model.history import History
 from contactlab.model.loading.effect_rates import NO_EFFECTS, EffectRates
 from contactlab.model.loading.supports import Prescribed, SupportedSet
-from contactlab.model.momentum import start_of
+from contactlab.model.momentum import Start
 from contactlab.model.timing import Timing
 
 if TYPE_CHECKING:
     from contactlab.contact.explicit_system import ContactSystem
     from contactlab.contact.implicit_system import ImplicitContactSystem
+    from contactlab.contact.work_split import WorkSplit
 
 
 USUAL = 0.9  # default of time.fraction
@@ -66,7 +67,8 @@ class Model(ABC):
     times of the run. `updates` are the bound block calls of all bodies. `seconds` counts the wall time spent on
     stresses and internal forces. Any code with doubts adds them to `warnings`. `way_followed` is False once a
     step has skipped history that the end does not depend on: work along the path is unknown then. `start` is the
-    reference for the end. `needs` fill the numbers that laws need at a time [s].
+    reference for the end. `needs` fill the numbers that laws need at a time [s]. `split` sums the work of contact by
+    its sources, if the scene asks for it.
     """
 
     reference: Floats
@@ -86,13 +88,15 @@ class Model(ABC):
     warnings: Warnings = field(default_factory=Warnings)
     way_followed: bool = True
     needs: tuple[Callable[[float], None], ...] = ()
+    split: WorkSplit | None = None
 
     explicit: ClassVar[bool]
 
     def __post_init__(self) -> None:
         self._limits: list[StableStep] | None = None
         self.seconds = 0.0
-        self.start = start_of(self)
+        moves = "velocity" in self.state
+        self.start = Start(self.kinetic_energy(), self.momenta()) if moves else Start(0.0, np.zeros(4))
 
     @property
     def initial_energy(self) -> float:
@@ -175,6 +179,15 @@ class Model(ABC):
         """Return 1/2 v M v [mJ] with the state's velocity."""
         v = self.state["velocity"]
         return float(0.5 * (self.mass @ (v[:, 0] ** 2 + v[:, 1] ** 2)))
+
+    def momenta(self) -> Floats:
+        """Return momentum along x and y [N s], about the origin [N mm s], and the sum of nodal magnitudes [N s], (4,).
+
+        A leapfrog keeps the first three exactly: the displacement of a step is along the velocity before.
+        """
+        position, along = self.reference + self.state["displacement"], self.mass[:, None] * self.state["velocity"]
+        turning = (position[:, 0] * along[:, 1] - position[:, 1] * along[:, 0]).sum()
+        return np.array([*along.sum(axis=0), turning, np.hypot(*along.T).sum()])
 
     def reactions(self) -> dict[str, Floats]:
         """Return the force of each support on its body (2,) [N]; shared degrees of freedom count for the first."""

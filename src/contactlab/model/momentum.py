@@ -4,14 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contactlab.api import Floats, Ints
-
-if TYPE_CHECKING:
-    from contactlab.model.model import Model
 
 
 @dataclass
@@ -19,7 +15,7 @@ class Start:
     """Data at the start of a run.
 
     energy    [mJ] kinetic
-    momentum  (4,) as in `momenta`
+    momentum  (4,) as in `Model.momenta`
     mirror    (N,) node at the mirror image in x = 0 of each node, -1 without one; None if the scene
               declares no symmetry
     """
@@ -27,24 +23,6 @@ class Start:
     energy: float
     momentum: Floats
     mirror: Ints | None = None
-
-
-def start_of(model: Model) -> Start:
-    """Return energy and momenta of the present velocities; zeros without velocities."""
-    if "velocity" not in model.state:
-        return Start(0.0, np.zeros(4))
-    return Start(model.kinetic_energy(), momenta(model))
-
-
-def momenta(model: Model) -> Floats:
-    """Return momentum along x and y [N s], about the origin [N mm s], and the sum of nodal magnitudes [N s], (4,).
-
-    A leapfrog keeps the first three exactly: the displacement of a step is along the velocity before.
-    """
-    position = model.reference + model.state["displacement"]
-    along = model.mass[:, None] * model.state["velocity"]
-    turning = (position[:, 0] * along[:, 1] - position[:, 1] * along[:, 0]).sum()
-    return np.array([*along.sum(axis=0), turning, np.hypot(*along.T).sum()])
 
 
 def mirrored_nodes(reference: Floats, parts: Sequence[slice]) -> Ints:

@@ -14,13 +14,14 @@ from importlib.metadata import EntryPoint, requires
 from pathlib import Path
 from typing import Any
 
+from contactlab.api import ExplicitIntegrator
 from contactlab.api.part import CONTRACT_VERSION, KINDS, Part, what_to_change
 from contactlab.errors import NOTHING, PartError, RequestError, SceneError, Where, below, did_you_mean, one_line, show
 from contactlab.parts import contract
 from contactlab.parts import loading as plugins
 from contactlab.parts.loading import CORE, Broken, Origin, Plugin
 from contactlab.parts.scenes_and_commands import KEBAB, commands_of, scenes_of
-from contactlab.scene.auto import AUTO, Auto, usual_order
+from contactlab.scene.auto import AUTO, Auto
 from contactlab.scene.fields import PartSpec, as_data
 from contactlab.scene.reading import read_table
 
@@ -316,6 +317,13 @@ def known_packages() -> dict[str, list[str]]:
 def default_registry() -> Registry:
     """The registry of the installed plugins, loaded once in a process."""
     return Registry()
+
+
+def usual_order(registry: Registry) -> list[str]:
+    """Names of the integrators that are tried if a scene gives no order: statics, implicit, explicit."""
+    kinds = {name: registry.part_class("integrator", name) for name in registry.names("integrator")}
+    usual = [name for name, kind in kinds.items() if kind.by_default]
+    return sorted(usual, key=lambda name: (kinds[name].inertia, issubclass(kinds[name], ExplicitIntegrator)))
 
 
 def split_spec(kind: str, spec: Any, where: Where) -> tuple[str, dict[str, Any]]:

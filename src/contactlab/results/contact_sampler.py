@@ -11,6 +11,7 @@ import numpy as np
 from contactlab.api import Floats, Layout, PointContact, Step
 from contactlab.api.compiled.bound_arrays import BoundArrays
 from contactlab.api.contact_steps import contact_record
+from contactlab.contact.cornered_pair import CorneredPair
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair
 from contactlab.contact.sliding import VaryingSliding
@@ -87,13 +88,13 @@ def _recorder_of(model: Model, pair: ContactPair, columns: dict[str, np.ndarray]
     """Return a function that fills a row of one contact from the model after a step."""
     if not isinstance(pair, OperatorPair) or pair.algorithm.points_press:
         return _by_numpy(model, pair, columns)
-    compiled, curved = _compiled(model, pair, columns), pair.smooth is not None
-    if pair.corners is None and not curved and not isinstance(pair.method, PointContact):
+    compiled = _compiled(model, pair, columns)
+    if not (pair.smooth or isinstance(pair, CorneredPair) or isinstance(pair.method, PointContact)):
         return compiled
 
     def record(row: int) -> None:
         compiled(row)
-        if curved or pair.holds_corners:
+        if pair.smooth or pair.holds_corners:
             _fill(columns, row, node_values(pair, pair.snapshot(model.state, model.position)))
 
     return record

@@ -3,20 +3,58 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, field
+from time import perf_counter, process_time
+from typing import Any
 
+from contactlab.api.compiled.compiler import COMPILATION
 from contactlab.api.frame import Layout
 from contactlab.model.held_arrays import held_arrays
 from contactlab.model.model import Model
 from contactlab.model.part_times import contact_times, element_times
 from contactlab.results.peak_memory import peak_memory_mib
 
-if TYPE_CHECKING:
-    from contactlab.results.summary import Clock
-
 CORE = "contactlab"
 SOUND = ("finished", "not-converged", "interrupted")
 """Ends of a run after which elements can be called again: in the others a part may have raised."""
+
+
+@dataclass
+class Clock:
+    """Times of a run by phase [s]; `before` is the cost of the parts of a run that was interrupted.
+
+    `arrays_mib` is the size of the run's arrays, and `elements` the times of elements: to measure all of them costs
+    more than to save them, so it is done when the run begins and again at its end (`None` requests it).
+    """
+
+    build_s: float = 0.0
+    import_s: float = 0.0
+    recording_s: float = 0.0
+    wall: float = field(default_factory=perf_counter)
+    cpu: float = field(default_factory=process_time)
+    compiled: float = field(default_factory=lambda: COMPILATION.seconds)
+    before: Mapping[str, Any] = field(default_factory=dict)
+    arrays_mib: float | None = None
+    elements: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+
+    def start(self) -> None:
+        """Start the clocks, as the steps begin now."""
+        self.wall, self.cpu, self.compiled = perf_counter(), process_time(), COMPILATION.seconds
+
+    @property
+    def compile_s(self) -> float:
+        """CPU time since `start` that went into kernels of machine code, compiled or loaded."""
+        return COMPILATION.seconds - self.compiled
+
+    @property
+    def run_wall_s(self) -> float:
+        """Wall time since `start`."""
+        return perf_counter() - self.wall
+
+    @property
+    def run_cpu_s(self) -> float:
+        """Processor time since `start`."""
+        return process_time() - self.cpu
 
 
 def cost_of(model: Model, clock: Clock, layout: Layout, status: str) -> dict[str, Any]:

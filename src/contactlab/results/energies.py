@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from contactlab.api.state import CONTACT_WORK
 from contactlab.model.model import Model
-
-if TYPE_CHECKING:
-    from contactlab.contact.work_split import WorkSplit
 
 ALONG_THE_WAY = ("internal", "external", "damping", "contact", "friction", "numerical", "slip", "error")
 
@@ -51,12 +46,6 @@ def energies(model: Model) -> dict[str, float]:
         "slip": float(work[6]),
         "error": float(np.abs(total) / scale),
     }
-    split = split_of(model)
-    if split is not None:
-        found |= {f"contact.{part}": float(work) for part, work in zip(CONTACT_WORK, split.work, strict=True)}
+    if model.split is not None:
+        found |= {f"contact.{part}": float(work) for part, work in zip(CONTACT_WORK, model.split.work, strict=True)}
     return found if model.way_followed else found | dict.fromkeys(ALONG_THE_WAY, np.nan)
-
-
-def split_of(model: Model) -> WorkSplit | None:
-    """Return the split of the work of the model's contact, if it has one."""
-    return getattr(model.contact, "split", None)

@@ -11,7 +11,6 @@ from contactlab.api.arrays import XX, XY, YY, ZZ, Floats
 from contactlab.api.frame import BodyLayout, ContactLayout, Frame, Layout
 from contactlab.model.bodies.body import Block, BodyForces
 from contactlab.model.model import Model
-from contactlab.results.energies import split_of
 from contactlab.results.sample import Sample
 from contactlab.results.step_columns import step_columns
 
@@ -44,7 +43,7 @@ def layout_of(model: Model, scene: Scene, parts: Mapping[str, str], versions: Ma
         supports=supports,
         parts=parts,
         versions=versions,
-        steps=step_columns(supports, [pair.name for pair in pairs], split_of(model) is not None),
+        steps=step_columns(supports, [pair.name for pair in pairs], model.split is not None),
         has_velocity="velocity" in model.state,
         frames=scene.record.frames,
     )

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from contactlab.api import WORK, Floats
-from contactlab.model.momentum import momenta
 from contactlab.results.chain_ends import angle_at_ends, turn_at_ends
 from contactlab.results.facets import cusps
 from contactlab.results.reaction_balance import reaction_sum
@@ -158,7 +157,7 @@ def _kept(model: Model) -> Iterator[Invariant]:
     if not model.integrator.inertia or model.loading.loads or model.damping or not model.start.momentum[3] > 0.0:
         return
     held = set((model.prescribed.dof % 2).tolist())
-    now = momenta(model)
+    now = model.momenta()
     scale = float(max(model.start.momentum[3], now[3]))
     change = np.abs(now - model.start.momentum)[:3]
     for axis in {0, 1} - held:

@@ -14,13 +14,11 @@ from contactlab.api.state import WORK
 from contactlab.contact.pair import ContactPair
 from contactlab.kernels.step_scalars import ACTIVE, CONTACT, MODEL, STICKING, model_scalars, step_scalars
 from contactlab.model.model import Model
-from contactlab.results.energies import split_of
 from contactlab.results.step_columns import COUNTS
 
 if TYPE_CHECKING:
     from contactlab.contact.explicit_system import ContactSystem
     from contactlab.contact.implicit_system import ImplicitContactSystem
-    from contactlab.contact.work_split import WorkSplit
 
 SAVED = "recorded.states"
 COSTS = slice(COUNTS.index("cost.elements"), len(COUNTS))
@@ -42,7 +40,8 @@ class StepSampler:
         self.states = np.zeros((2, pairs[-1].own.stop if pairs else 0), np.int32)
         self.count = 0
         self.take = take
-        self.sample = _with_split(self, _sample_of(self, model), split_of(model))
+        sample = _sample_of(self, model)
+        self.sample = sample if model.split is None else _with_split(self, sample, model.split.work)
 
     def saved(self) -> dict[str, Floats]:
         """The states of the conditions at the last step, by a name."""
@@ -60,11 +59,9 @@ class StepSampler:
             self.take(rows)
 
 
-def _with_split(sampler: StepSampler, sample: Sample, split: WorkSplit | None) -> Sample:
-    """The same with the parts of the contact work in the last columns, where it is split."""
-    if split is None:
-        return sample
-    rows, work = sampler.rows[:, -len(split.work) :], split.work
+def _with_split(sampler: StepSampler, sample: Sample, work: Floats) -> Sample:
+    """The same with the parts of the contact `work` in the last columns."""
+    rows = sampler.rows[:, -len(work) :]
 
     def both(step: Step, dt: float) -> None:
         rows[sampler.count] = work

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from contactlab.api import RunWarning
 from contactlab.errors import RequestError, SceneError, one_line
 from contactlab.run.schedule import SETTLED_KINETIC
-from contactlab.scene.auto import candidates, is_auto
+from contactlab.scene.auto import is_auto
 
 if TYPE_CHECKING:
     from contactlab.model.model import Model
@@ -155,10 +155,17 @@ def comes_short(summary: Mapping[str, Any]) -> str:
 
 def as_taken(scene: Scene, summary: Mapping[str, Any]) -> Scene:
     """The scene with the integrator that its run of this summary took; as it is if it names one."""
-    if not is_auto(scene):
+    if not is_auto(scene.integrator):
         return scene
     found = summary["resolved"]["integrator"]
     return replace(scene, integrator=next(spec for spec in found["order"] if spec["use"] == found["use"]))
+
+
+def candidates(scene: Scene) -> tuple[Scene, ...]:
+    """The scene with each integrator of its order; of one that names its integrator, the scene alone."""
+    if not is_auto(scene.integrator):
+        return (scene,)
+    return tuple(replace(scene, integrator=spec) for spec in scene.integrator["order"])
 
 
 def first_that_fits(scene: Scene, registry: Registry) -> tuple[Scene, Attempts | None]:
@@ -166,7 +173,7 @@ def first_that_fits(scene: Scene, registry: Registry) -> tuple[Scene, Attempts |
 
     A scene that names its integrator is given back. Raises the first RequestError if every integrator refuses it.
     """
-    if not is_auto(scene):
+    if not is_auto(scene.integrator):
         return scene, None
     from contactlab.model.build import build
 

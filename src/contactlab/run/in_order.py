@@ -16,10 +16,10 @@ from contactlab.errors import RequestError, SimulationFailure
 from contactlab.results.files import write_summary
 from contactlab.results.result_file import FILE
 from contactlab.results.results import Results
-from contactlab.run.attempts import FINISHED, Attempt, Attempts, comes_short
+from contactlab.run.attempts import FINISHED, Attempt, Attempts, candidates, comes_short
 from contactlab.run.folders import ATTEMPTS, OF_A_RUN
 from contactlab.run.restart import differences_to, refuse_other_scene, saved_run
-from contactlab.scene.auto import AUTO, candidates, is_auto
+from contactlab.scene.auto import AUTO, is_auto
 
 if TYPE_CHECKING:
     from contactlab.scene.scene import Scene
@@ -138,7 +138,7 @@ class InOrder:
 
 def as_begun(scene: Scene, folder: Path) -> Scene:
     """The scene with the order of integrators that the run in the folder was begun with, if it is one of its runs."""
-    stored = None if is_auto(scene) else _stored(folder)
+    stored = None if is_auto(scene.integrator) else _stored(folder)
     found = stored.summary.get("resolved", {}).get("integrator") if stored is not None else None
     if stored is None or found is None or differences_to(stored.layout.scene, scene):
         return scene

@@ -108,7 +108,7 @@ def _of_gaps(model: ImplicitModel, pair: ContactPair) -> _Distances:
     points = model.position[nodes[pressed]]
     apart[pressed] = distances_to_curve(points, pair.master, model.position, model.reference)
     if isinstance(pair, OperatorPair) and isinstance(pair.method, PointContact):
-        at = corner_pieces(pair)
+        at = corner_pieces(pair.pieces, pair.count)
         slot, corner = pair.pieces.multiplier[at, 0], pair.master.nodes[pair.pieces.master[at, 0]]
         nodes[slot] = corner
         off = distances_to_curve(model.position[corner], pair.slave, model.position, model.reference)

@@ -30,7 +30,7 @@ LEAN, FLAT = 0.01, 1e-3  # of a force: what pressed nodes on a curve may be off 
 
 def coarse_facets(model: Model, pair: ContactPair, curve: ContactCurve) -> Iterator[RunWarning]:
     """Warn if the facets of a curved pair are deep where it presses, compared with the approach of its surfaces."""
-    if pair.start_distance is not None or pair.smooth is not None:
+    if pair.start_distance is not None or pair.smooth:
         return  # the depth of facets is not part of the gap
     chains = _chains(pair, curve)
     stretches = list(_stretches(curve, chains))

@@ -16,11 +16,11 @@ from contactlab.errors import SimulationFailure
 from contactlab.missing_effects.monitor import EffectMonitor
 from contactlab.model.memory import model_memory, restore_model
 from contactlab.model.model import Model
-from contactlab.results.energies import split_of
+from contactlab.results.cost import Clock
 from contactlab.results.journal import Journal
 from contactlab.results.results import Results
 from contactlab.results.sample import take_sample
-from contactlab.results.summary import Clock, Counts, summarise
+from contactlab.results.summary import Counts, summarise
 from contactlab.run.guards import EVERY, Guards
 from contactlab.run.kept_states import KeptStates
 from contactlab.run.restart import check_memory, stored_results
@@ -115,8 +115,7 @@ class Run:
         more = self.watching.every_step if self.watching is not None else ()
         limit = (self.work_limit,) if self.work_limit is not None else ()
         last = self.last_steps.every_step if self.last_steps is not None else ()
-        split = split_of(self.model)
-        booked = (split.sample,) if split is not None else ()  # first: the others read it
+        booked = (self.model.split.sample,) if self.model.split is not None else ()  # first: the others read it
         kept = (lambda step, dt: self.keep(),) if self.schedule.control is not None else ()  # each has its own length
         others = (*self.schedule.every_step, *self.monitor.every_step, *kept, *more, *limit)
         return (*booked, *self.journal.every_step, *last, *others)
@@ -266,7 +265,7 @@ class Run:
 
     @property
     def _followers(self) -> tuple[Any, ...]:
-        more = (self.watching, split_of(self.model))
+        more = (self.watching, self.model.split)
         recorded = (self.journal,) if hasattr(self, "journal") else ()  # it is opened after the rest is restored
         return self.schedule, self.guards, self.counts, self.monitor, *(p for p in (*more, *recorded) if p is not None)
 

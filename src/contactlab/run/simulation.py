@@ -93,7 +93,7 @@ def simulate(
     if resume and folder is not None:
         scene = as_begun(scene, folder)
     simulation = _Simulation(registry, folder, progress, watch, work, guards, announce)
-    if is_auto(scene):
+    if is_auto(scene.integrator):
         results = InOrder(scene, folder, simulation.run, simulation.interrupted).results(resume)
     else:
         results = simulation.run(scene, resume)

@@ -2,16 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from dataclasses import dataclass
 
-from contactlab.api import ExplicitIntegrator
 from contactlab.scene.fields import PartSpec, part
-
-if TYPE_CHECKING:
-    from contactlab.parts.registry import Registry
-    from contactlab.scene.scene import Scene
 
 AUTO = "auto"
 
@@ -32,28 +26,14 @@ class Auto:
             raise ValueError(f"order: got {names}, allowed: at least one integrator, and not auto itself")
 
 
-def is_auto(scene: Scene) -> bool:
-    """Return whether a scene leaves its integrator to the run."""
-    return bool(scene.integrator["use"] == AUTO)
+def is_auto(integrator: PartSpec) -> bool:
+    """Return whether the integrator of a scene is left to the run."""
+    return bool(integrator["use"] == AUTO)
 
 
-def usual_order(registry: Registry) -> list[str]:
-    """Names of the integrators that are tried if a scene gives no order: statics, implicit, explicit."""
-    kinds = {name: registry.part_class("integrator", name) for name in registry.names("integrator")}
-    usual = [name for name, kind in kinds.items() if kind.by_default]
-    return sorted(usual, key=lambda name: (kinds[name].inertia, issubclass(kinds[name], ExplicitIntegrator)))
-
-
-def candidates(scene: Scene) -> tuple[Scene, ...]:
-    """The scene with each integrator of its order; of one that names its integrator, the scene alone."""
-    if not is_auto(scene):
-        return (scene,)
-    return tuple(replace(scene, integrator=spec) for spec in scene.integrator["order"])
-
-
-def integrators_in(integrator: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+def integrators_in(integrator: PartSpec) -> Iterator[tuple[str, str]]:
     """Key and name of each integrator that a scene names."""
-    if integrator["use"] != AUTO:
+    if not is_auto(integrator):
         yield "integrator", integrator["use"]
         return
     for number, spec in enumerate(integrator["order"]):

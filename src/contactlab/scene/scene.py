@@ -14,7 +14,7 @@ from contactlab.arguments import NAME, arguments
 from contactlab.errors import Location, PartError, SceneError, did_you_mean
 from contactlab.parts.registry import Registry, default_registry
 from contactlab.parts.scenes_and_commands import core_scenes
-from contactlab.scene import checks as scene_checks
+from contactlab.scene.checks import check_bodies, check_contacts, check_loads, check_rigid, check_supports, check_times
 from contactlab.scene.fields import PartSpec, as_data, hidden, is_required, key, keys_of, kind_at, part
 from contactlab.scene.keys import Body, Contact, Field, Load, Record, Rigid, Support, Time
 from contactlab.scene.overrides import changed
@@ -71,7 +71,13 @@ class Scene:
         registry = registry or default_registry()
         origin = origin or Location()
         scene = read_table(cls, data, origin, registry.written_out, origin=origin, registry=registry)
-        scene_checks.check(scene)
+        sides = scene.bodies, scene.rigid, origin
+        check_bodies(scene.bodies, scene.materials, origin)
+        check_rigid(scene.rigid, scene.bodies, scene.contacts, origin)
+        check_contacts(scene.contacts, *sides)
+        check_supports(scene.supports, *sides)
+        check_loads(scene.loads, *sides)
+        check_times(scene.time, scene.supports, scene.loads, scene.rigid, scene.contacts, origin)
         return scene
 
     @property

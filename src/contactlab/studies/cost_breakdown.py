@@ -14,12 +14,11 @@ from contactlab.errors import RequestError
 from contactlab.parts.registry import Registry
 from contactlab.results.force_curve import THE_END_ONLY
 from contactlab.scene.scene import Scene
-from contactlab.studies.measure_run import driven_support, without_compilation
+from contactlab.studies.measure_run import applied_share, carried_load, driven_support, without_compilation
 from contactlab.studies.plan import Combination, Plan, compared_scene, find_scene
 from contactlab.studies.profile import FoldedSurfaceError, Profile, distance, norm
 from contactlab.studies.removable import Variant, variants
 from contactlab.studies.study import Study
-from contactlab.studies.table import applied_share, carried_load
 
 BASE = "as declared"
 INSTANTS = 201  # of the loading, at which histories are compared

@@ -13,12 +13,12 @@ from contactlab.jobs.system import system_facts
 from contactlab.parts.registry import Registry
 from contactlab.studies.find_reference import Source, matching_reference
 from contactlab.studies.installed_measures import with_installed
-from contactlab.studies.measure_run import measure_run
+from contactlab.studies.measure_run import applied_share, carried_load, measure_run
 from contactlab.studies.measures import mutual_difference, relative_difference
 from contactlab.studies.plan import Combination, Plan
 from contactlab.studies.reference import Reference
 from contactlab.studies.shape import shapes_of
-from contactlab.studies.table import Row, applied_share, carried_load
+from contactlab.studies.table import Row
 
 
 def gather(plan: Plan, records: Mapping[str, Record], named: Source | None) -> list[Row]:

@@ -17,6 +17,18 @@ from contactlab.studies.profile import FoldedSurfaceError, Profile
 from contactlab.studies.reference import Reference
 
 Measures = dict[str, float]
+NEARLY = 1.0 - 1e-9
+"""Share of the load that is all of it, but for round-off."""
+
+
+def applied_share(summary: Mapping[str, Any]) -> float:
+    """Share of the load (statics) or of the declared time that a run came to, 0 to 1; 1 if its summary has none."""
+    return float(summary.get("reached", {}).get("share", 1.0))
+
+
+def carried_load(status: str, share: float) -> bool:
+    """Return whether a run applied its whole load, settled or not."""
+    return status == "finished" or (status == "not-converged" and share >= NEARLY)
 
 
 def measure_run(

@@ -82,7 +82,7 @@ def _of_effects(scene: Scene) -> Iterator[Variant]:
 
 def _of_parts(scene: Scene) -> Iterator[Variant]:
     """Yield a variant for each effect that parts of the scene declare, or declare as left out."""
-    places = [("integrator", "integrator", scene.integrator)] if not is_auto(scene) else []
+    places = [("integrator", "integrator", scene.integrator)] if not is_auto(scene.integrator) else []
     places += [("material", f"materials.{name}", spec) for name, spec in scene.materials.items()]
     places += [("element", f"bodies.{name}.element", body.element) for name, body in scene.bodies.items()]
     less: dict[str, dict[str, Any]] = {}

@@ -14,32 +14,18 @@ from contactlab.api.warning import RunWarning
 from contactlab.results.named import Named
 from contactlab.results.results import ContactCurve
 from contactlab.studies.columns import BY_NAME, MEASURES, Column
+from contactlab.studies.cost_breakdown import CostBreakdown
+from contactlab.studies.measure_run import carried_load
 from contactlab.studies.profile import FoldedSurfaceError, Profile
+from contactlab.studies.reference import Reference
 from contactlab.studies.shape import Shape
+from contactlab.studies.study import Study
 from contactlab.views import view
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from contactlab.studies.cost_breakdown import CostBreakdown
-    from contactlab.studies.reference import Reference
-    from contactlab.studies.study import Study
-
-
-NEARLY = 1.0 - 1e-9
-"""Share of the load that is all of it, but for round-off."""
-
-
-def applied_share(summary: Mapping[str, Any]) -> float:
-    """Share of the load (statics) or of the declared time that a run came to, 0 to 1; 1 if its summary has none."""
-    return float(summary.get("reached", {}).get("share", 1.0))
-
-
-def carried_load(status: str, share: float) -> bool:
-    """Return whether a run applied its whole load, settled or not."""
-    return status == "finished" or (status == "not-converged" and share >= NEARLY)
 
 
 @dataclass(frozen=True, repr=False)

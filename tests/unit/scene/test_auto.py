@@ -10,8 +10,8 @@ import pytest
 from contactlab.api import Part
 from contactlab.errors import PartError, RequestError, SceneError
 from contactlab.parts.provenance import part_specs
-from contactlab.parts.registry import Registry, default_registry
-from contactlab.scene.auto import candidates, usual_order
+from contactlab.parts.registry import Registry, default_registry, usual_order
+from contactlab.run.attempts import candidates
 from contactlab.scene.scene import Scene, load_scene
 from contactlab.scene.schema import scene_schema
 from contactlab.scene.toml_text import parse_toml

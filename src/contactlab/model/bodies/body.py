@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,9 +13,6 @@ from contactlab.kernels.cells import element_kernels, midpoint
 from contactlab.kernels.size import jacobian_determinants
 from contactlab.model.bodies.straight_path import StraightPath
 from contactlab.model.bodies.thread_blocks import colours, threads_of_blocks
-
-if TYPE_CHECKING:
-    from contactlab.model.loading.rigid import RigidSurface
 
 
 @dataclass(frozen=True)
@@ -65,6 +61,30 @@ class Body:
     def history_shape(self) -> tuple[int, ...]:
         """Shape of the body's history in the state: (n q h,)."""
         return (len(self.cells) * self.points * self.material.history_size,)
+
+
+@dataclass(frozen=True)
+class RigidSurface:
+    """A chain in global node numbers, first ... first + count - 1, the solid on its left.
+
+    points  (count, 2) [mm] before the run
+    edges   (e, b) int32 global numbers, with as many nodes as the edges in contact with it
+    """
+
+    name: str
+    points: Floats
+    first: int
+    edges: Ints
+
+    @property
+    def count(self) -> int:
+        """Number of nodes of the rigid surface."""
+        return len(self.points)
+
+    @property
+    def nodes(self) -> Ints:
+        """Global numbers of the surface's nodes."""
+        return np.arange(self.first, self.first + self.count, dtype=np.int32)
 
 
 def positions_of(bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...]) -> Floats:

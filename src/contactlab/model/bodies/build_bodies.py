@@ -19,7 +19,7 @@ from contactlab.scene.reading import refused_later
 
 if TYPE_CHECKING:
     from contactlab.errors import Where
-    from contactlab.model.loading.rigid import RigidSurface
+    from contactlab.model.bodies.body import RigidSurface
     from contactlab.parts.registry import Registry
     from contactlab.scene.keys import Body as BodySpec
     from contactlab.scene.scene import Scene

@@ -15,16 +15,17 @@ import numpy as np
 from contactlab.api import Floats, Ints
 from contactlab.kernels.cells import midpoint
 from contactlab.model.bodies.body import Block, BodyForces
-from contactlab.model.bodies.tangent import Pattern, scatter_all
+from contactlab.model.bodies.tangent import BodyStiffness, Pattern, scatter_all
 
 STEP = 1e-6  # of a cell's size: central differences then err by about 1e-10 of the stiffness
 
 
-class StiffnessByDifferences:
+class StiffnessByDifferences(BodyStiffness):
     """Stiffness of one body from forces of its own kernels on cells that share no nodes, by differences."""
 
     def __init__(self, forces: BodyForces) -> None:
-        self.forces, self.law = forces, forces.body.material
+        super().__init__(forces)
+        self.law = forces.body.material
 
     def add(self, block: Block, dt: float, pairs: Ints, pattern: Pattern) -> None:
         """Add the block's cells to the pattern's data."""

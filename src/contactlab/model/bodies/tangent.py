@@ -10,7 +10,7 @@ Kernels compute the moduli of the points, and scatter cells into the columns of 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from abc import ABC, abstractmethod
 
 import numpy as np
 from scipy.sparse import csc_array
@@ -19,9 +19,6 @@ from contactlab.api import Floats, Ints
 from contactlab.api.compiled.kernel import kernel
 from contactlab.kernels.cells import table_kernels
 from contactlab.model.bodies.body import Block, Body, BodyForces
-
-if TYPE_CHECKING:
-    from contactlab.model.bodies.element_differences import StiffnessByDifferences
 
 SMALL, FINITE, RATE = 0, 1, 2
 KIND = {"small": SMALL, "finite": FINITE, "rate": RATE}
@@ -88,11 +85,23 @@ def _split(number: Ints, shapes: list[tuple[int, ...]]) -> list[Ints]:
     return [part.reshape(shape) for part, shape in zip(np.split(number, ends), shapes, strict=True)]
 
 
-class BodyTangent:
+class BodyStiffness(ABC):
+    """Stiffness of one body."""
+
+    def __init__(self, forces: BodyForces) -> None:
+        self.forces = forces
+
+    @abstractmethod
+    def add(self, block: Block, dt: float, pairs: Ints, pattern: Pattern) -> None:
+        """Add the block's cells to the pattern's data."""
+
+
+class BodyTangent(BodyStiffness):
     """Stiffness from the law's tangent and the element's tables."""
 
     def __init__(self, forces: BodyForces) -> None:
-        self.forces, body = forces, forces.body
+        super().__init__(forces)
+        body = forces.body
         self.kind = KIND[body.material.kinematics]
         rule = body.element.quadrature()
         self.derivatives = np.ascontiguousarray(body.element.shape(rule.points).gradient)
@@ -115,7 +124,7 @@ class BodyTangent:
         )  # fmt: skip
 
 
-def body_tangent(forces: BodyForces) -> BodyTangent | StiffnessByDifferences:
+def body_tangent(forces: BodyForces) -> BodyStiffness:
     """Return the stiffness of a body, by differences if its element's kernels are not its tables written faster."""
     if follows_tables(forces.body):
         return BodyTangent(forces)

@@ -20,7 +20,6 @@ from contactlab.parts.registry import split_spec
 
 if TYPE_CHECKING:
     from contactlab.errors import Where
-    from contactlab.model.contact.systems import ContactPlan
 
 DEEP = 0.1  # segment lengths that a curved surface may cut into another without any overlap of the true shapes
 FACING = 64  # slave segments, from all over the surface, compared with all of the master at a time
@@ -159,36 +158,6 @@ def _heights(points: Floats, segments: Floats) -> tuple[Floats, Floats, Floats]:
         best = nearest[np.abs(height[nearest]).argmax()]  # two at a vertex: the segment that faces the point best
         out[number], feet[number], normals[number] = height[best], point - apart[best], outward[best]
     return out, feet, normals
-
-
-class JoinedStretches:
-    """Stretches of two surfaces joined by contacts: two contacts of the same stretches would press twice."""
-
-    def __init__(self) -> None:
-        self.known: list[tuple[ContactPlan, set[tuple[int, int]]]] = []
-        self.by_slave: dict[tuple[int, int], list[int]] = {}
-
-    def add(self, plan: ContactPlan, where: Where) -> None:
-        """Add a contact. Raises SceneError if another contact joins the same stretches."""
-        slave, master = _segments_of(plan.slave), _segments_of(plan.master)
-        for own, opposite in ((slave, master), (master, slave)):
-            for number in sorted({number for segment in own for number in self.by_slave.get(segment, ())}):
-                other, others = self.known[number]
-                if opposite & others:
-                    raise SceneError(
-                        f"{other.name} joins parts of these surfaces already, which would be counted twice",
-                        where=where,
-                        got=f"{plan.sides[0]} and {plan.sides[1]} next to {other.sides[0]} and {other.sides[1]}",
-                        allowed="every stretch of a surface in one contact with the same other surface",
-                        hint="take one of the contacts out, or name edge sets that share no edge ([bodies.NAME.sets])",
-                    )
-        for segment in slave:
-            self.by_slave.setdefault(segment, []).append(len(self.known))
-        self.known.append((plan, master))
-
-
-def _segments_of(surface: Surface) -> set[tuple[int, int]]:
-    return {(int(a), int(b)) for a, b in surface.nodes[surface.segments]}
 
 
 def check_overlap(

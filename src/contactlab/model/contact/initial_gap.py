@@ -22,7 +22,7 @@ from contactlab.model.loading.ramps import smooth
 
 if TYPE_CHECKING:
     from contactlab.errors import Where
-    from contactlab.model.loading.rigid import RigidSurface
+    from contactlab.model.bodies.body import RigidSurface
 
 ROUND = 1e-6  # segment lengths: pushing this out in one step costs a millionth of the wave speed
 SETTLED = 1e-12  # segment lengths left after an adjustment

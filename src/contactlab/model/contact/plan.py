@@ -24,13 +24,13 @@ from contactlab.contact.sliding import rows_of
 from contactlab.errors import PartError, SceneError, below
 from contactlab.meshing.mesh import split_at_corners, surface_from_edges
 from contactlab.model.bodies.body import Body, positions_of
-from contactlab.model.contact.checks import JoinedStretches, check_facing, check_solid_side, refuse_half_passes
+from contactlab.model.contact.checks import check_facing, check_solid_side, refuse_half_passes
 from contactlab.model.contact.systems import ContactPlan, all_passes, by_energy
 from contactlab.model.loading.edge_sets import edge_set
 
 if TYPE_CHECKING:
     from contactlab.errors import Where
-    from contactlab.model.loading.rigid import RigidSurface
+    from contactlab.model.bodies.body import RigidSurface
     from contactlab.parts.registry import Registry
     from contactlab.scene.scene import Scene
 
@@ -52,6 +52,36 @@ def plan_contacts(
         joined.add(plan, where)
         plans.append(plan)
     return tuple(plans)
+
+
+class JoinedStretches:
+    """Stretches of two surfaces joined by contacts: two contacts of the same stretches would press twice."""
+
+    def __init__(self) -> None:
+        self.known: list[tuple[ContactPlan, set[tuple[int, int]]]] = []
+        self.by_slave: dict[tuple[int, int], list[int]] = {}
+
+    def add(self, plan: ContactPlan, where: Where) -> None:
+        """Add a contact. Raises SceneError if another contact joins the same stretches."""
+        slave, master = _segments_of(plan.slave), _segments_of(plan.master)
+        for own, opposite in ((slave, master), (master, slave)):
+            for number in sorted({number for segment in own for number in self.by_slave.get(segment, ())}):
+                other, others = self.known[number]
+                if opposite & others:
+                    raise SceneError(
+                        f"{other.name} joins parts of these surfaces already, which would be counted twice",
+                        where=where,
+                        got=f"{plan.sides[0]} and {plan.sides[1]} next to {other.sides[0]} and {other.sides[1]}",
+                        allowed="every stretch of a surface in one contact with the same other surface",
+                        hint="take one of the contacts out, or name edge sets that share no edge ([bodies.NAME.sets])",
+                    )
+        for segment in slave:
+            self.by_slave.setdefault(segment, []).append(len(self.known))
+        self.known.append((plan, master))
+
+
+def _segments_of(surface: Surface) -> set[tuple[int, int]]:
+    return {(int(a), int(b)) for a, b in surface.nodes[surface.segments]}
 
 
 def _plan(

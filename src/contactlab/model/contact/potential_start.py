@@ -19,8 +19,8 @@ from contactlab.model.contact.initial_gap import moved_body, refuse_overlap
 
 if TYPE_CHECKING:
     from contactlab.errors import Where
+    from contactlab.model.bodies.body import RigidSurface
     from contactlab.model.contact.systems import ContactPlan
-    from contactlab.model.loading.rigid import RigidSurface
 
 ROUNDS = 60
 SETTLED = 1e-9  # of the clearance: round-off of positions

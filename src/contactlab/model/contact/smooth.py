@@ -1,13 +1,10 @@
-"""Contacts with gaps between smooth surfaces: which contacts allow them, and their curves."""
+"""Contacts with gaps between smooth surfaces: which contacts allow them."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from contactlab.api import ContactMethod, Enforcement, Floats, NormalLaw, SegmentContact, Surface
-from contactlab.contact.operator_pair import OperatorPair
-from contactlab.contact.pair import ContactPair
-from contactlab.contact.smooth_surfaces import SmoothSurfaces
+from contactlab.api import ContactMethod, Enforcement, NormalLaw, SegmentContact, Surface
 from contactlab.errors import PartError, SceneError, below
 from contactlab.parts.registry import split_spec
 
@@ -45,9 +42,3 @@ def refuse_smooth(
             allowed='true with forces = "frozen", or false',
             hint='write forces = "frozen" in the enforcement of the contact, or in the integrator central-difference',
         )  # fmt: skip
-
-
-def make_smooth(pair: ContactPair, reference: Floats) -> None:
-    """Make a pair measure gaps between the curves through its nodes."""
-    assert isinstance(pair, OperatorPair)
-    pair.smooth = SmoothSurfaces(pair, reference)

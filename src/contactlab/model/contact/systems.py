@@ -24,7 +24,7 @@ from contactlab.api import (
 )
 from contactlab.api.arrays import Flags
 from contactlab.contact.corner_pair import CornerPair, CornerPoints
-from contactlab.contact.corners import Corners
+from contactlab.contact.cornered_pair import CorneredPair
 from contactlab.contact.explicit_system import ContactSystem
 from contactlab.contact.gap_pair import GapPair
 from contactlab.contact.operator_pair import OperatorPair
@@ -80,12 +80,11 @@ class ContactPlan:
     def pair(self, positions: Floats, first_slot: int, immobile: Flags, behind: Any = None) -> ContactPair:
         """Return the pair at work. `immobile` (N,) marks nodes that cannot move; `behind` is for potentials."""
         sides, fixed = (self.slave, self.master), immobile[self.slave.nodes]
-        pair = contact_pair(self.name, self.algorithm, sides, positions, first_slot, self.friction, fixed, behind)
+        pair = contact_pair(
+            self.name, self.algorithm, sides, positions, first_slot, self.friction, fixed, behind,
+            corners=self.corners is not None, smooth=self.smooth,
+        )  # fmt: skip
         pair.half, pair.second = bool(self.exchanged), self.second
-        if self.smooth:
-            from contactlab.model.contact.smooth import make_smooth
-
-            make_smooth(pair, positions)
         return pair
 
 
@@ -98,9 +97,13 @@ def contact_pair(
     friction: FrictionLaw | None,
     fixed: Flags,
     behind: tuple[Floats, Floats] | None = None,
+    *,
+    corners: bool = False,
+    smooth: bool = False,
 ) -> ContactPair:
     """Return a pair of slave and master at work; `fixed` (m,) marks slave nodes that cannot move.
 
+    corners  True for a mortar that is to hold corners of the master; smooth: True for gaps between smooth surfaces
     Potentials get the material `behind` each node (N,): a modulus [MPa], and modulus over cell depth [MPa/mm].
     """
     if isinstance(algorithm, Potential):
@@ -117,7 +120,12 @@ def contact_pair(
         from contactlab.contact.points_pair import PointsPair
 
         return PointsPair(name, algorithm, *sides, reference, first_slot, friction, fixed)
-    return OperatorPair(name, algorithm, *sides, reference, first_slot, friction, fixed)
+    if smooth:
+        from contactlab.contact.smooth_pair import SmoothPair
+
+        return SmoothPair(name, algorithm, *sides, reference, first_slot, friction, fixed)
+    kind = CorneredPair if corners else OperatorPair
+    return kind(name, algorithm, *sides, reference, first_slot, friction, fixed)
 
 
 def all_passes(plans: tuple[ContactPlan, ...]) -> tuple[ContactPlan, ...]:
@@ -206,10 +214,11 @@ def _pair(plan: ContactPlan, before: list[ContactPair], around: Around, time: Fl
     reference, immobile, first = around.reference, around.immobile, sum(pair.slots for pair in before)
     if isinstance(plan.algorithm, CornerPoints):
         held_at = next(pair for pair in before if plan.name == f"{pair.name}.corners")
-        assert isinstance(held_at, OperatorPair)
+        points = plan.pair(reference, first, immobile)
+        assert isinstance(held_at, CorneredPair)
+        assert isinstance(points, CornerPair)
         assert plan.corners is not None
-        held_at.points = points = cast("CornerPair", plan.pair(reference, first, immobile))
-        held_at.corners = points.corners = Corners(held_at, plan.corners)
+        held_at.hold(plan.corners, points)
         return points
     if not plan.second:
         refuse_held_slave(plan.slave, immobile, plan.sides[0], plan.where)

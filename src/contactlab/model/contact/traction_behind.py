@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 Entries = tuple[Ints, Ints, Floats]
 """Rows, columns and values (e,) of a matrix."""
+ALL = slice(None)
 
 
 def refuse_integrator(integrator: Integrator, spec: Any, where: Where) -> None:
@@ -87,12 +88,12 @@ class TractionBehind:
         self.shape = slots, position.size
         self.strips = [strip for pair in pairs for strip in _strips(pair, forces, position)]
 
-    def values(self) -> Floats:
-        """Return tractions (k,) [MPa] of the last update of stresses."""
+    def values(self, own: slice = ALL) -> Floats:
+        """Return tractions (k,) [MPa] of the last update of stresses, or those of a part of the slots."""
         force, length = np.zeros(self.shape[0]), np.zeros(self.shape[0])
         for strip in self.strips:
             strip.add_to(force, length)
-        return np.divide(force, length, out=np.zeros_like(force), where=length > 0.0)
+        return np.divide(force, length, out=np.zeros_like(force), where=length > 0.0)[own]
 
     def derivative(self) -> Any:
         """Return derivatives (k, 2N) [MPa/mm] of `values`, sparse."""

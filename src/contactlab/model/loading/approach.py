@@ -15,7 +15,7 @@ from contactlab.model.bodies.body import Body
 from contactlab.model.loading.supports import Prescribed
 
 if TYPE_CHECKING:
-    from contactlab.model.loading.rigid import RigidSurface
+    from contactlab.model.bodies.body import RigidSurface
     from contactlab.scene.scene import Scene
 
 SAMPLES = 33  # times at which motion is checked: ramps are monotonic, tables have a few corners

@@ -9,15 +9,13 @@ that couples distant nodes then converges linearly, as it would without.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from contactlab.api import Floats, Ints
 from contactlab.model.loading.loads import FollowerLoad
-
-if TYPE_CHECKING:
-    from contactlab.model.implicit_model import ImplicitModel
+from contactlab.model.model import Model
 
 STEP = 1e-6  # of the model's size: central differences of smooth forces then err by 1e-10 or so
 TRUSTED = 0.1  # relative error of the forces' change in another motion, up to which differences are used
@@ -26,7 +24,7 @@ TRUSTED = 0.1  # relative error of the forces' change in another motion, up to w
 class LoadStiffness:
     """Loads of a run, bound to the pattern of the stiffness."""
 
-    def __init__(self, model: ImplicitModel, place: Callable[[Ints, Ints], Ints]) -> None:
+    def __init__(self, model: Model, place: Callable[[Ints, Ints], Ints]) -> None:
         self.followers = [
             (load, _Entries(load, place)) for load in model.loading.loads if isinstance(load, FollowerLoad)
         ]
@@ -57,7 +55,7 @@ class _Entries:
 class OwnNodes:
     """2x2 blocks of the nodes loaded by an effect."""
 
-    def __init__(self, effect: Any, model: ImplicitModel, place: Callable[[Ints, Ints], Ints]) -> None:
+    def __init__(self, effect: Any, model: Model, place: Callable[[Ints, Ints], Ints]) -> None:
         self.effect, state = effect, model.state
         self.displacement = state["displacement"]
         self.velocity = state["velocity"] if "velocity" in state else np.zeros((0, 2))

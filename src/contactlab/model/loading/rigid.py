@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -12,7 +11,7 @@ import numpy as np
 from contactlab.api import Floats, Ints
 from contactlab.contact.closest import crossing
 from contactlab.errors import SceneError
-from contactlab.model.bodies.body import Body
+from contactlab.model.bodies.body import Body, RigidSurface
 from contactlab.model.loading.edge_sets import edge_set
 from contactlab.model.sizes import check_rigid_size
 
@@ -22,30 +21,6 @@ if TYPE_CHECKING:
     from contactlab.scene.scene import Scene
 
 SAGITTA = 1e-3  # of its radius: largest height of an arc above its segments
-
-
-@dataclass(frozen=True)
-class RigidSurface:
-    """A chain in global node numbers, first ... first + count - 1, the solid on its left.
-
-    points  (count, 2) [mm] before the run
-    edges   (e, b) int32 global numbers, with as many nodes as the edges in contact with it
-    """
-
-    name: str
-    points: Floats
-    first: int
-    edges: Ints
-
-    @property
-    def count(self) -> int:
-        """Number of nodes of the rigid surface."""
-        return len(self.points)
-
-    @property
-    def nodes(self) -> Ints:
-        """Global numbers of the surface's nodes."""
-        return np.arange(self.first, self.first + self.count, dtype=np.int32)
 
 
 def build_rigid(scene: Scene, bodies: tuple[Body, ...]) -> tuple[RigidSurface, ...]:

@@ -20,7 +20,7 @@ from contactlab.model.loading.ramps import Course, Ramp, RampTime, course_of, co
 
 if TYPE_CHECKING:
     from contactlab.errors import Where
-    from contactlab.model.loading.rigid import RigidSurface
+    from contactlab.model.bodies.body import RigidSurface
     from contactlab.parts.registry import Registry
     from contactlab.scene.keys import Rigid, Support
     from contactlab.scene.scene import Scene
