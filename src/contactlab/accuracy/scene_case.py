@@ -6,9 +6,10 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from contactlab.accuracy.configuration import Configuration, exchangeable
+from contactlab.accuracy.study import CaseChoice
 from contactlab.api import Answer, Case, Job, Measure, Record, Setup, Solution
 from contactlab.api.case import error
 from contactlab.errors import RequestError
@@ -18,9 +19,6 @@ from contactlab.studies.find_reference import find_reference, matching_reference
 from contactlab.studies.measures import pressure_error
 from contactlab.studies.profile import Profile
 from contactlab.studies.reference import Reference
-
-if TYPE_CHECKING:
-    from contactlab.accuracy.study import CaseChoice
 
 PRESSURE = "pressure, L2"
 

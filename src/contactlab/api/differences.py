@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from contactlab.api.arrays import XX, XY, YY, Floats
 from contactlab.api.compiled.late import late
-
-if TYPE_CHECKING:
-    from contactlab.api.material import Material
+from contactlab.api.material import Material
 
 DIRECTIONS = 24  # of waves within half a turn
 BETWEEN = 0.035  # 1 - cos(4 * 3.75 degrees): share of the spread that may be missed between two directions

@@ -6,16 +6,13 @@ import argparse
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from contactlab.commands.common import console, parse_settings, print_how_to_look, print_json, registry_with
 from contactlab.commands.many import interrupted
 from contactlab.errors import RequestError, SceneError, did_you_mean, visible
+from contactlab.parts.registry import Registry
 from contactlab.run.folders import results_folder
-
-if TYPE_CHECKING:
-    from contactlab.parts.registry import Registry
-    from contactlab.studies.table import Table
+from contactlab.studies.table import Table
 
 
 def compare(options: argparse.Namespace) -> int:

@@ -11,17 +11,15 @@ from ctypes.util import find_library
 from importlib.metadata import PackageNotFoundError, requires, version
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from contactlab.commands.common import console, number, print_json
 from contactlab.errors import ContactlabError, one_line
 from contactlab.parts.machine import blas_kernels, processor, usable_cores
 from contactlab.parts.registry import Registry, default_registry
 from contactlab.reports.sheet import Column, Sheet
+from contactlab.results.results import Results
 from contactlab.scene.scene import load_scene
-
-if TYPE_CHECKING:
-    from contactlab.results.results import Results
 
 OPTIONAL = {
     "ipykernel": ("notebooks", "notebook"),

@@ -8,16 +8,14 @@ import re
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from contactlab.commands.common import console, number, parse_settings, print_json, registry_with
+from contactlab.commands.effect_costs import EffectPrice
+from contactlab.explanation.estimate import Estimate
+from contactlab.explanation.explain import Explanation, Overview
 from contactlab.reports.sheet import Column, Sheet, facts
 from contactlab.scene.scene import load_scene
-
-if TYPE_CHECKING:
-    from contactlab.commands.effect_costs import EffectPrice
-    from contactlab.explanation.estimate import Estimate
-    from contactlab.explanation.explain import Explanation, Overview
 
 NOTHING = 0.005  # of the cost of a run: a cost that is printed as 0
 SHORTENED = 0.9  # of the stable step of the bodies: usual steps are as long, and effects make them shorter

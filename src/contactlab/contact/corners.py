@@ -8,17 +8,15 @@ own that stay outside the slave (`contactlab.contact.corner_pair`), slightly dee
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from contactlab.api import Floats, Ints, Rows, Surface
 from contactlab.api.surface import SurfacePositions
+from contactlab.contact.operator_pair import OperatorPair
 from contactlab.kernels.contact.corners import take_row, touches
-
-if TYPE_CHECKING:
-    from contactlab.contact.operator_pair import OperatorPair
-    from contactlab.kernels.contact.search import Near
+from contactlab.kernels.contact.search import Near
 
 SHARP = 0.5  # sine by which the master turns outward at a corner
 CLOSE = 3.0  # segments: corners farther from all nodes of the slave touch it in no step of a near list

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from contactlab.api import ContactView, Floats, Pieces
+from contactlab.api import ContactView, Floats
 from contactlab.errors import WrongAnswer
-
-if TYPE_CHECKING:
-    from contactlab.contact.pair import ContactPair
 
 
 def finite(*arrays: Floats) -> bool:
@@ -50,39 +47,3 @@ def _arrays(view: ContactView) -> dict[str, Floats]:
     }
     held = {f"{name}.{field}": value for name, fields in parts.items() for field, value in fields.items()}
     return {name: value for name, value in held.items() if isinstance(value, np.ndarray)}
-
-
-def examine_contact(contact: Any) -> None:
-    """Check the algorithm of every pair at its last update, then the enforcement; None without contact."""
-    for pair in contact.passes if contact is not None else ():
-        examine_pair(pair)
-
-
-def examine_pair(pair: ContactPair) -> None:
-    """Raise WrongAnswer if the last results of a contact algorithm are not finite."""
-    pieces, found = getattr(pair, "pieces", None), getattr(pair, "found", None)
-    if pieces is not None:
-        _examine_pieces(pair, pieces, getattr(pair, "count", 0))
-    elif found is not None:
-        for name in ("gap", "normal_weight", "tangent_weight", "measure"):
-            if not finite(getattr(found, name)) and finite(*pair.at):
-                refuse(pair.method, "conditions", f"an entry of {name}", f" in {pair.name}")
-
-
-def _examine_pieces(pair: ContactPair, pieces: Pieces, count: int) -> None:
-    covered = pieces.T[:count].sum()
-    others = pieces.D[:count].sum() + pieces.M[:count].sum() + pieces.normal.sum()
-    if (covered > 0.0 or not count) and np.isfinite(covered + others):
-        return
-    if not finite(*pair.at):
-        return
-    for name in ("D", "M", "T"):
-        if not finite(getattr(pieces, name)[:count]):
-            refuse(pair.method, "pieces", f"an entry of {name}", f" in {pair.name}")
-    if not finite(pieces.normal[pieces.multiplier[:count].ravel()]):
-        refuse(pair.method, "pieces", "a normal", f" in {pair.name}")
-    if count and not covered > 0.0:
-        raise WrongAnswer(
-            f"{type(pair.method).__name__}: pieces gave {count} pieces in {pair.name} whose T sums up to "
-            f"{covered:g}, needed: integrals over the covered length"
-        )

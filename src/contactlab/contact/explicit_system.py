@@ -100,6 +100,10 @@ class ContactSystem:
         """Energy [mJ] stored in surfaces beyond their energy at the start; zero under exact multipliers."""
         return 0.0
 
+    def slips(self) -> Floats:
+        """Return slips (k,) [mm] of the last step with friction: prediction of the rows, and change by the forces."""
+        return slips(self.rows, self.multipliers.shape[1], self.compliance, self.state["contact_force"])[0]
+
     def friction_work(self, mean_velocity: Floats, dt: float, compliance: Floats, force: Floats) -> tuple[float, float]:
         """Work and dissipation of the tangential forces; see `contactlab.api.ContactEquations`."""
         if not self.friction:

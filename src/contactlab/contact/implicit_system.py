@@ -13,7 +13,7 @@ from scipy.sparse import csr_array
 
 from contactlab.api import Conditions, ContactDerivatives, Floats, FrictionBound, ImplicitEnforcement, Ints, Rows, State
 from contactlab.api.compiled.friction import STICKS
-from contactlab.contact.examination import examine_pair
+from contactlab.contact.examined import examine_pair
 from contactlab.contact.friction import held_together, taking_tractions, varying
 from contactlab.contact.linearisation import linearised
 from contactlab.contact.operator_pair import OperatorPair

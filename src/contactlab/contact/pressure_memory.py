@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from contactlab.api import Floats, Ints, NormalLaw, State
+from contactlab.contact.pair import ContactPair
 from contactlab.parts.remembered import remember
-
-if TYPE_CHECKING:
-    from contactlab.contact.pair import ContactPair
 
 
 class PressureMemory:

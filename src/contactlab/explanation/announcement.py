@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from time import thread_time
-from typing import TYPE_CHECKING, TextIO
+from typing import TextIO
 
 from contactlab.explanation.estimate import expected_length
-
-if TYPE_CHECKING:
-    from contactlab.run.run import Run
-    from contactlab.scene.scene import Scene
+from contactlab.run.run import Run
+from contactlab.scene.scene import Scene
 
 LONG = 3.0  # times the loading that the program would choose
 STEP, NODE, SLAVE, RUBBING = 3e-5, 3.5e-8, 6e-7, 1.5e-6  # s of an explicit step without stresses: each, by node, ...

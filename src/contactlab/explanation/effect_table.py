@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from contactlab.missing_effects.locking import PLASTIC
 from contactlab.model.model import Model
-
-if TYPE_CHECKING:
-    from contactlab.parts.registry import Registry
-    from contactlab.scene.scene import Scene
+from contactlab.parts.registry import Registry
+from contactlab.scene.scene import Scene
 
 
 class Effect(NamedTuple):

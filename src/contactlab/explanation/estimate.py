@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from contactlab.explanation.trial_run import CUT, TrialRun
+from contactlab.model.model import Model
 from contactlab.run.prepare import schedule_of
-
-if TYPE_CHECKING:
-    from contactlab.model.model import Model
-    from contactlab.run.schedule import Schedule
-    from contactlab.scene.scene import Scene
+from contactlab.run.schedule import Schedule
+from contactlab.scene.scene import Scene
 
 PERIODS = (1.0, 2.0, 6.0)  # that an explicit run takes to settle after its ramp
 ALONE = (2.0, 5.0, 8.0)  # where no contact presses them: kinetic energy has to fall below a thousandth of little

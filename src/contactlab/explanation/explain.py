@@ -8,20 +8,18 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from contactlab.explanation.effect_table import Effect, effects_of
 from contactlab.explanation.estimate import Estimate, estimate
+from contactlab.explanation.trial_run import KernelCalls, PartCost, TrialRun
 from contactlab.model.build import build
 from contactlab.model.held_arrays import HeldArray, held_arrays
 from contactlab.model.model import Model
+from contactlab.parts.registry import Registry
+from contactlab.run.attempts import Attempts
+from contactlab.scene.scene import Scene
 from contactlab.views import view
-
-if TYPE_CHECKING:
-    from contactlab.explanation.trial_run import KernelCalls, PartCost, TrialRun
-    from contactlab.parts.registry import Registry
-    from contactlab.run.attempts import Attempts
-    from contactlab.scene.scene import Scene
 
 
 class UsedPart(NamedTuple):

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import asdict
-from typing import TYPE_CHECKING
 
 from contactlab.api import Job
 from contactlab.api.compiled.cache import cache_root
@@ -15,9 +14,7 @@ from contactlab.jobs.archive import Archive, StoredRun
 from contactlab.jobs.keys import run_key
 from contactlab.jobs.record import ended, from_bytes, to_bytes
 from contactlab.jobs.system import machine
-
-if TYPE_CHECKING:
-    from contactlab.scene.scene import Scene
+from contactlab.scene.scene import Scene
 
 FILE = "trials.sqlite"
 TRIAL = Job("trial", "")

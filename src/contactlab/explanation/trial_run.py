@@ -22,13 +22,11 @@ from itertools import islice
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter, process_time, thread_time
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from contactlab.errors import SimulationFailure
-
-if TYPE_CHECKING:
-    from contactlab.model.held_arrays import HeldArray
-    from contactlab.scene.scene import Scene
+from contactlab.model.held_arrays import HeldArray
+from contactlab.scene.scene import Scene
 
 STEPS = 40  # after the first; enough to measure the cost of a step
 PATIENCE = 0.5  # seconds after which fewer must do

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from contactlab.api import Element, Ints, Mesh
-from contactlab.errors import SceneError
+from contactlab.errors import SceneError, Where
 from contactlab.meshing.mesh import inverted_cells, jacobians
-
-if TYPE_CHECKING:
-    from contactlab.errors import Where
 
 FARTHEST = 1e100  # coordinates beyond it overflow when they are squared twice
 NO_AREA = 1e-12  # determinant of a cell over the square of its size: round-off

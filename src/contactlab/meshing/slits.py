@@ -8,16 +8,13 @@ unless a contact of the body joins both of its sides: then it is intended.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from contactlab.api import Element, Floats, Ints, Mesh
-from contactlab.errors import SceneError
+from contactlab.errors import SceneError, Where
 from contactlab.meshing.mesh import outer_sides, segments_of
-
-if TYPE_CHECKING:
-    from contactlab.errors import Where
 
 CLOSED = 0.01  # of the size of the adjacent cells: a narrower gap counts as closed, as for bodies without a contact
 CURVED = 1.2  # of the depth of facets: how far nodes of a curve lie from the sides of a coarser division of it

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from contactlab.api import WORK, RunWarning, Step
@@ -11,9 +9,7 @@ from contactlab.missing_effects.missing_effect import Detectors, needed, per_cen
 from contactlab.model.model import Model
 from contactlab.results.invariants import NO_STRAIN
 from contactlab.results.strain_scale import energy_of_strain
-
-if TYPE_CHECKING:
-    from contactlab.scene.scene import Scene
+from contactlab.scene.scene import Scene
 
 EARLY = 0.02  # of the largest energy: what drives or yields under a load is off by half of that
 INTERNAL = WORK.index("internal")

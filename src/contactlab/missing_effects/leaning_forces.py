@@ -7,16 +7,12 @@ own conditions (`contactlab.contact.corners`).
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from contactlab.api import RunWarning, Surface
 from contactlab.missing_effects.missing_effect import Detectors, needed, per_cent
 from contactlab.model.model import Model
-
-if TYPE_CHECKING:
-    from contactlab.scene.scene import Scene
+from contactlab.scene.scene import Scene
 
 APART = 0.1  # of the largest contact force on a body: curved and rough contacts that are right stay below a fifth of it
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,9 +17,7 @@ from contactlab.missing_effects.quasi_static import quasi_static_detectors, work
 from contactlab.missing_effects.sides import side_detectors
 from contactlab.missing_effects.strain import strain_detectors
 from contactlab.model.model import Model
-
-if TYPE_CHECKING:
-    from contactlab.scene.scene import Scene
+from contactlab.scene.scene import Scene
 
 DETECTORS = (
     strain_detectors, locking_detectors, quasi_static_detectors, leaning_detectors, overlap_detectors,

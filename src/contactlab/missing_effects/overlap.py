@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +13,7 @@ from contactlab.meshing.mesh import outer_edges
 from contactlab.missing_effects.missing_effect import Detectors, needed
 from contactlab.model.bodies.body import Body
 from contactlab.model.model import Model
-
-if TYPE_CHECKING:
-    from contactlab.scene.scene import Scene
+from contactlab.scene.scene import Scene
 
 DEPTH = 0.01  # of a node's edges: how deep it lies in another body before that counts as touching
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,9 +13,7 @@ from contactlab.model.loading.declared import courses_in
 from contactlab.model.model import Model
 from contactlab.model.timing import A_PERIOD
 from contactlab.results.reaction_balance import reaction_sum
-
-if TYPE_CHECKING:
-    from contactlab.scene.scene import Scene
+from contactlab.scene.scene import Scene
 
 SHARE = 0.01  # of kinetic over internal energy
 UNBALANCED = 0.02  # of the largest reaction, and of the work that damping takes

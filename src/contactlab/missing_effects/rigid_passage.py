@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,9 +12,7 @@ from contactlab.contact.pair import ContactPair
 from contactlab.missing_effects.missing_effect import Detectors, needed
 from contactlab.missing_effects.overlap import DEPTH, body_of, edge_set
 from contactlab.model.model import Model
-
-if TYPE_CHECKING:
-    from contactlab.scene.scene import Scene
+from contactlab.scene.scene import Scene
 
 
 def rigid_passages(scene: Scene, model: Model, edges: Ints) -> Detectors:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -11,10 +11,8 @@ from contactlab.meshing.curves import nearest_segments
 from contactlab.missing_effects.missing_effect import Detectors, needed
 from contactlab.model.bodies.body import Body
 from contactlab.model.model import Model
-
-if TYPE_CHECKING:
-    from contactlab.scene.keys import Contact
-    from contactlab.scene.scene import Scene
+from contactlab.scene.keys import Contact
+from contactlab.scene.scene import Scene
 
 STIFFER = 12.0  # ratio of shear moduli: steel on a polymer, not steel on aluminium
 COARSER = 2.0  # ratio of segment lengths where the surfaces press

@@ -5,34 +5,28 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from contactlab.api import WORK, ExplicitIntegrator, Floats, Integrator, Ints, NormalLaw, RunWarning, State
+from contactlab.api import WORK, Effect, ExplicitIntegrator, Floats, Integrator, Ints, NormalLaw, RunWarning, State
 from contactlab.errors import SceneError
-from contactlab.model.bodies.body import Body, BodyForces, positions_of
+from contactlab.model.bodies.body import NO_JOINTS, Body, BodyForces, Joints, RigidSurface, positions_of
 from contactlab.model.bodies.build_bodies import build_bodies, masses_of
 from contactlab.model.bodies.thread_blocks import in_order
 from contactlab.model.history import history_of
 from contactlab.model.loading.held_bodies import check_supported
 from contactlab.model.loading.load_profile import of_nodes
 from contactlab.model.loading.node_profiles import tell_unresolved
+from contactlab.model.loading.ramps import RampTime
 from contactlab.model.loading.supports import plan_supports
 from contactlab.model.model import ExplicitModel, Loading, Model
 from contactlab.model.sizes import check_meshed_size, check_sizes
 from contactlab.model.timing import Timing, find_timing
 from contactlab.parts.error_origin import part_errors
-
-if TYPE_CHECKING:
-    from contactlab.api import Effect
-    from contactlab.model.bodies.body import RigidSurface
-    from contactlab.model.bodies.frequency import Joints
-    from contactlab.model.contact.systems import ContactPlan
-    from contactlab.model.loading.ramps import RampTime
-    from contactlab.parts.registry import Registry
-    from contactlab.scene.keys import Body as SceneBody
-    from contactlab.scene.scene import Scene
+from contactlab.parts.registry import Registry
+from contactlab.scene.keys import Body as SceneBody
+from contactlab.scene.scene import Scene
 
 
 def build(scene: Scene, registry: Registry) -> Model:
@@ -64,7 +58,8 @@ def _built(scene: Scene, registry: Registry) -> Model:
     made = tuple(
         registry.make("effect", spec, scene.where(f"effects.{number}")) for number, spec in enumerate(scene.effects)
     )
-    history = history_of(scene, bodies, plans, made, integrator)
+    enforcements = {plan.name: plan.enforcement for plan in plans}
+    history = history_of(scene, bodies, enforcements, made, integrator)
     timing = find_timing(
         scene, bodies, reference, mass, supports, integrator, history, lambda: _joints(plans, reference)
     )
@@ -73,7 +68,7 @@ def _built(scene: Scene, registry: Registry) -> Model:
         from contactlab.model.loading.approach import check_approach
 
         check_approach(scene, bodies, rigid, reference, prescribed, timing.last)
-    state = State(_shapes(len(reference), bodies, integrator, plans, made, timing))
+    state = State(_shapes(len(reference), bodies, integrator, _contact_shapes(plans, len(reference)), made, timing))
     position = reference.copy()
     increment = np.zeros_like(reference) if any(b.material.kinematics == "rate" for b in bodies) else None
     # the work of all bodies, distributed to the threads one body after the other
@@ -170,10 +165,16 @@ def _contact_plans(
     return plans, bodies
 
 
+def _contact_shapes(plans: tuple[Any, ...], nodes: int) -> Mapping[str, tuple[int, ...]]:
+    if not plans:
+        return {}
+    from contactlab.model.contact.plan import contact_shapes
+
+    return contact_shapes(plans, nodes)
+
+
 def _joints(plans: tuple[Any, ...], reference: Floats) -> Joints:
     """Return the joints of bodies that touch from the start, so that they vibrate together."""
-    from contactlab.model.bodies.frequency import NO_JOINTS
-
     if not plans:
         return NO_JOINTS
     from contactlab.model.contact.touching import touching
@@ -250,7 +251,7 @@ def _shapes(
     nodes: int,
     bodies: tuple[Body, ...],
     integrator: Integrator,
-    plans: tuple[ContactPlan, ...],
+    contact: Mapping[str, tuple[int, ...]],
     effects: tuple[Effect, ...],
     timing: Timing,
 ) -> Mapping[str, tuple[int, ...]]:
@@ -260,10 +261,7 @@ def _shapes(
     if timing.relaxation and timing.damping:
         shapes["drift"] = (nodes, 2)
     shapes |= {"internal_force": (nodes, 2), "reaction": (nodes, 2), "work": (len(WORK),)}
-    if plans:
-        from contactlab.model.contact.plan import contact_shapes
-
-        shapes |= contact_shapes(plans, nodes)
+    shapes |= contact
     shapes |= {f"history.{body.name}": body.history_shape() for body in bodies if body.material.history_size}
     shapes |= {f"effects.{i}": (len(effect.memory), nodes) for i, effect in enumerate(effects) if effect.memory}
     if integrator.control() is not None:

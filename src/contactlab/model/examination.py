@@ -6,20 +6,16 @@ and method. `Examined` is a model that does so at every call, for steps that are
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any
 
 import numpy as np
 
-from contactlab.api import Floats, Solve
-from contactlab.contact.examination import examine_contact, finite, refuse
+from contactlab.api import Floats
+from contactlab.contact.examination import finite, refuse
 from contactlab.errors import SimulationFailure, WrongAnswer
 from contactlab.kernels.checks import smallest_jacobian
 from contactlab.model.bodies.body import Block, BodyForces
-
-if TYPE_CHECKING:
-    from contactlab.contact.explicit_system import ContactSystem
-    from contactlab.model.model import Model
-
+from contactlab.model.model import ExplicitModel, Model
 
 # --- bodies -----------------------------------------------------------------------------------------
 
@@ -85,9 +81,12 @@ class Examined:
     """A model whose components are checked after every call; everything else belongs to the model."""
 
     def __init__(self, model: Model) -> None:
-        self._model = model
-        contact = cast("ContactSystem | None", model.contact)  # only explicit steps are repeated
-        self.contact = None if contact is None else _ExaminedContact(model, contact)
+        self._model, self.contact = model, None
+        if model.contact is not None:
+            from contactlab.contact.examined import ExaminedContact
+
+            assert isinstance(model, ExplicitModel)  # only explicit steps are repeated
+            self.contact = ExaminedContact(model.contact, model.integrator)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._model, name)
@@ -112,21 +111,3 @@ class Examined:
         for name in ("displacement", "velocity"):
             if name in self._model.state and not finite(self._model.state[name]):
                 refuse(self._model.integrator, "its step", f"a {name}")
-
-
-class _ExaminedContact:
-    def __init__(self, model: Model, contact: ContactSystem) -> None:
-        self._model, self._contact = model, contact
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._contact, name)
-
-    def solve(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
-        """Examine the algorithms' results, then solve by the enforcement."""
-        if not finite(predicted):
-            refuse(self._model.integrator, "its step", "a predicted position")
-        done = self._contact.solve(predicted, current, compliance, force)
-        examine_contact(self._contact)
-        if not finite(force, self._contact.multipliers):
-            refuse(self._contact.enforcement, "solve", "a force")
-        return done

@@ -6,12 +6,11 @@ import functools
 import types
 from collections import deque
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from contactlab.model.model import Model
+from contactlab.model.model import Model
 
 DEPTH = 12
 COMPILERS = ("numba", "llvmlite")  # kernels hold no arrays of a model

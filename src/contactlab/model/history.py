@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-from contactlab.api import NormalLaw
+from contactlab.api import Effect, Enforcement, Integrator, NormalLaw
+from contactlab.model.bodies.body import Body
 from contactlab.model.loading.declared import courses_in
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from contactlab.api import Effect, Integrator
-    from contactlab.model.bodies.body import Body
-    from contactlab.model.contact.systems import ContactPlan
-    from contactlab.scene.scene import Scene
+from contactlab.scene.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -50,13 +44,13 @@ class History:
 def history_of(
     scene: Scene,
     bodies: Iterable[Body],
-    plans: Iterable[ContactPlan],
+    enforcements: Mapping[str, Enforcement],
     effects: Iterable[Effect],
     integrator: Integrator,
 ) -> History:
-    """Return the keys of a scene that make it path-dependent."""
+    """Return the keys of a scene that make it path-dependent; `enforcements` by the keys of their contacts."""
     laws = [f"bodies.{b.name}.material" for b in bodies if b.material.history_size or b.material.rate_dependent]
-    laws += [f"{p.name}.enforcement" for p in plans if isinstance(p.enforcement, NormalLaw) and p.enforcement.memory]
+    laws += [f"{key}.enforcement" for key, one in enforcements.items() if isinstance(one, NormalLaw) and one.memory]
     laws += [f"effects.{i}" for i, effect in enumerate(effects) if effect.memory]
     return History(
         laws=tuple(laws),

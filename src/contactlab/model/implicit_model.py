@@ -80,11 +80,6 @@ class ImplicitModel(Model):
             u[:] = end
             np.add(self.reference, u, out=self.position)
 
-    @property
-    def shown_conditions(self) -> int:
-        """Number of the contact constraints in reports, which come first."""
-        return self.contact.pairs[-1].own.stop if self.contact is not None else 0
-
     def external_force(self, time: float, out: Floats) -> bool:
         """Fill all loads as `Model` does; an effect with a result that is not finite is named immediately."""
         loaded = super().external_force(time, out)

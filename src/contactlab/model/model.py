@@ -189,6 +189,11 @@ class Model(ABC):
         turning = (position[:, 0] * along[:, 1] - position[:, 1] * along[:, 0]).sum()
         return np.array([*along.sum(axis=0), turning, np.hypot(*along.T).sum()])
 
+    @property
+    def shown_conditions(self) -> int:
+        """Number of the contact constraints in reports, which come first."""
+        return self.contact.pairs[-1].own.stop if self.contact is not None else 0
+
     def reactions(self) -> dict[str, Floats]:
         """Return the force of each support on its body (2,) [N]; shared degrees of freedom count for the first."""
         return {support.on: support.force(self.state["reaction"]) for support in self.loading.supports}

@@ -6,14 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactlab.api import Estimate, Floats
+from contactlab.api import Estimate, Floats, Surface
 from contactlab.meshing.locate import located
+from contactlab.model.bodies.body import Body
+from contactlab.model.implicit_model import ImplicitModel
 
 if TYPE_CHECKING:
-    from contactlab.api import Surface
     from contactlab.contact.pair import ContactPair
-    from contactlab.model.bodies.body import Body
-    from contactlab.model.implicit_model import ImplicitModel
 
 NEAR = 4  # coarse segments that are compared for each fine one
 

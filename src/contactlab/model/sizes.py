@@ -5,20 +5,17 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from contactlab.api import ExplicitIntegrator
-from contactlab.errors import SceneError
+from contactlab.errors import Location, SceneError
 from contactlab.meshing.room import in_words, machine_memory
+from contactlab.model.bodies.body import Body
 from contactlab.model.model_size import ModelSize
-
-if TYPE_CHECKING:
-    from contactlab.errors import Location
-    from contactlab.model.bodies.body import Body
-    from contactlab.parts.registry import Registry
-    from contactlab.scene.scene import Scene
+from contactlab.parts.registry import Registry
+from contactlab.scene.scene import Scene
 
 SEGMENT_BYTES = 200.0  # of a rigid surface: positions, edges and contact data for each
 FRAME_BYTES = 12.0  # that a frame keeps in memory until the run ends, per node: positions and a value to show

@@ -5,21 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from contactlab.api import Floats, Integrator, RunWarning
 from contactlab.errors import SceneError
-from contactlab.model.bodies.body import Body
+from contactlab.model.bodies.body import Body, Joints
 from contactlab.model.history import History
 from contactlab.model.loading.declared import NEARLY, beyond, last_of
 from contactlab.model.loading.ramps import RampTime
 from contactlab.model.loading.supports import SupportPlan
-
-if TYPE_CHECKING:
-    from contactlab.model.bodies.frequency import Joints
-    from contactlab.scene.scene import Scene
+from contactlab.scene.scene import Scene
 
 
 class Pace(NamedTuple):

@@ -5,13 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from traceback import walk_tb
-from typing import TYPE_CHECKING
 
 from contactlab.api.formulas import members_of
 from contactlab.errors import ContactlabError, PartError, WrongAnswer, one_line
-
-if TYPE_CHECKING:
-    from contactlab.parts.registry import Registry
+from contactlab.parts.registry import Registry
 
 
 def part_at_fault(error: BaseException, registry: Registry) -> str:

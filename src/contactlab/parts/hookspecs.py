@@ -16,12 +16,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pluggy
 
-if TYPE_CHECKING:
-    from contactlab.api.part import Part
+from contactlab.api.part import Part
 
 PROJECT = "contactlab"
 """Name of the hook markers and of the entry-point group."""

@@ -6,14 +6,12 @@ import platform
 from collections.abc import Iterator, Mapping
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from contactlab.parts.machine import blas_kernels, processor
+from contactlab.parts.registry import Registry
 from contactlab.scene.auto import integrators_in
-
-if TYPE_CHECKING:
-    from contactlab.parts.registry import Registry
-    from contactlab.scene.scene import Scene
+from contactlab.scene.scene import Scene
 
 LIBRARIES = ("contactlab", "numpy", "scipy", "numba")
 

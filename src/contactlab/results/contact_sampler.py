@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -18,10 +18,8 @@ from contactlab.contact.sliding import VaryingSliding
 from contactlab.kernels.contact.record import RecordColumns, RecordScratch, RecordTable, record_pair
 from contactlab.model.model import Model
 from contactlab.results.contact_nodes import facing_segments, node_values
+from contactlab.results.record_plan import Window
 from contactlab.results.slips import slips_of
-
-if TYPE_CHECKING:
-    from contactlab.results.record_plan import Window
 
 BLOCK = 512  # rows between hand-overs
 

@@ -13,11 +13,11 @@ from contactlab.model.bodies.body import Block, BodyForces
 from contactlab.model.model import Model
 from contactlab.results.sample import Sample
 from contactlab.results.step_columns import step_columns
+from contactlab.scene.keys import Contact
+from contactlab.scene.scene import Scene
 
 if TYPE_CHECKING:
     from contactlab.contact.pair import ContactPair
-    from contactlab.scene.keys import Contact
-    from contactlab.scene.scene import Scene
 
 
 def layout_of(model: Model, scene: Scene, parts: Mapping[str, str], versions: Mapping[str, str]) -> Layout:

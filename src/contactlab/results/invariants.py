@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from contactlab.api import WORK, Floats
+from contactlab.model.model import Model
 from contactlab.results.chain_ends import angle_at_ends, turn_at_ends
 from contactlab.results.facets import cusps
 from contactlab.results.reaction_balance import reaction_sum
+from contactlab.results.sample import Sample
 from contactlab.results.saw_tooth import largest_turn, pressed_depth, pressure_saw, saw_tooth
 from contactlab.results.strain_scale import (
     contact_force_of_strain,
@@ -24,9 +26,7 @@ from contactlab.results.strain_scale import (
 if TYPE_CHECKING:
     from contactlab.contact.pair import ContactPair
     from contactlab.contact.potential_pair import PotentialPair
-    from contactlab.model.model import Model
     from contactlab.results.contact_report import ContactReport
-    from contactlab.results.sample import Sample
 
 ROUND = 1e-6  # of the largest: what tolerances of solvers and sums over many steps leave
 NO_STRAIN = 1e-7  # whose energy counts as zero: the energy of smaller strains is round-off of load steps

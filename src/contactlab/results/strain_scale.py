@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contactlab.implicit.trial import ROUND_OFF
+from contactlab.model.model import Model
 
 if TYPE_CHECKING:
     from contactlab.contact.pair import ContactPair
-    from contactlab.model.model import Model
 
 
 def force_of_strain(model: Model, strain: float) -> float:

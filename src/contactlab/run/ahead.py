@@ -20,11 +20,10 @@ from typing import TYPE_CHECKING
 
 from contactlab.parts.machine import usable_cores
 from contactlab.run.known_kernels import KnownKernel, surely_called
+from contactlab.scene.scene import Scene
 
 if TYPE_CHECKING:
     from subprocess import Popen
-
-    from contactlab.scene.scene import Scene
 
 MOST = 3
 """Processes that compile in parallel to a run: the longest kernel alone takes a fourth of the time of all."""

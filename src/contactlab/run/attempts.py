@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from contactlab.api import RunWarning
 from contactlab.errors import RequestError, SceneError, one_line
+from contactlab.model.model import Model
+from contactlab.parts.registry import Registry
 from contactlab.run.schedule import SETTLED_KINETIC
 from contactlab.scene.auto import is_auto
-
-if TYPE_CHECKING:
-    from contactlab.model.model import Model
-    from contactlab.parts.registry import Registry
-    from contactlab.scene.fields import PartSpec
-    from contactlab.scene.scene import Scene
+from contactlab.scene.fields import PartSpec
+from contactlab.scene.scene import Scene
 
 NEXT = ("not-converged", "diverged")
 """Ends of a run after which another integrator may get through; a full disk or a wrong part would stop that, too."""

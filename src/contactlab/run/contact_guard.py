@@ -117,7 +117,7 @@ class ContactGuard:
         """Raise WrongAnswer for a contact algorithm whose answer is no number: its contact would vanish."""
         if not self.pairs:
             return
-        from contactlab.contact.examination import examine_pair
+        from contactlab.contact.examined import examine_pair
 
         for pair in self.pairs:
             examine_pair(pair)

@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from contactlab.api import Step, StepStatus
 from contactlab.model.memory import model_memory, restore_model
 from contactlab.model.model import Model
-from contactlab.run.schedule import SAME_TIME
-
-if TYPE_CHECKING:
-    from contactlab.run.schedule import Schedule
+from contactlab.run.schedule import SAME_TIME, Schedule
 
 NEARLY = 1e-9  # of a step, or of the time between frames: differences below it are round-off
 

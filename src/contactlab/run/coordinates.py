@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from contactlab.api.arrays import Floats
-
-if TYPE_CHECKING:
-    from contactlab.model.model import Model
+from contactlab.model.model import Model
 
 
 def coordinates(model: Model, point: Floats) -> str:

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contactlab.api import Floats, PointContact, RunWarning, Surface
+from contactlab.model.model import Model
 
 if TYPE_CHECKING:
     from contactlab.contact.pair import ContactPair
-    from contactlab.model.model import Model
 
 HIGH = 0.01  # of the force
 WITHIN = 0.02  # of a segment: nodes are held as far beyond an end

@@ -10,15 +10,15 @@ import numpy as np
 
 from contactlab.api import Conditions, Floats, FrictionBound, Iteration, PointContact, StepStatus, Surface
 from contactlab.api.frame import SLIP, STICK
+from contactlab.model.implicit_model import ImplicitModel
 from contactlab.model.loading.held_bodies import MOTIONS, driven, free_motions, hold, loose_motions, opposed, unbalanced
+from contactlab.model.model import Model
 from contactlab.run.coordinates import coordinates
+from contactlab.scene.scene import Scene
 
 if TYPE_CHECKING:
     from contactlab.contact.implicit_system import ImplicitContactSystem
     from contactlab.contact.pair import ContactPair
-    from contactlab.model.implicit_model import ImplicitModel
-    from contactlab.model.model import Model
-    from contactlab.scene.scene import Scene
 
 SHARP = 20.0  # degrees by which a surface turns at a corner: meshes of curves turn by less
 TURNS = 0.1  # degrees by which a master turns at a vertex: at less the force hardly jumps

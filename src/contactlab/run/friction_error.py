@@ -17,7 +17,6 @@ the share of the contact that a step exchanges.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.sparse import block_array, csc_array, diags_array
@@ -26,10 +25,8 @@ from scipy.sparse.linalg import splu
 from contactlab.api import Floats, FrictionBound, Ints, Response, RunWarning, Step
 from contactlab.api.arrays import Flags
 from contactlab.api.frame import STICK
+from contactlab.model.implicit_model import ImplicitModel
 from contactlab.run.controlled_step import better_steps
-
-if TYPE_CHECKING:
-    from contactlab.model.implicit_model import ImplicitModel
 
 HIGH = 0.05  # of the shear: what peak pressures and friction work are held to
 SMALL = 0.01  # of the normal forces: shear below it is an error of none

@@ -4,21 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contactlab.api import Floats, Step
 from contactlab.errors import NotFiniteError
 from contactlab.model.model import Model
+from contactlab.results.sample import Sample
 from contactlab.run.contact_guard import ContactGuard
 from contactlab.run.energy_guard import EnergyGuard
 from contactlab.run.judgement import judge
 from contactlab.run.motion_guard import MotionGuard
 from contactlab.run.stopping import shorter_steps
-
-if TYPE_CHECKING:
-    from contactlab.results.sample import Sample
 
 EVERY = 50  # steps between checks of the whole model
 SELDOM = 4 * EVERY  # steps between checks of the stored energy, which costs the laws another pass

@@ -10,7 +10,7 @@ import json
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from contactlab.errors import RequestError, SimulationFailure
 from contactlab.results.files import write_summary
@@ -20,9 +20,7 @@ from contactlab.run.attempts import FINISHED, Attempt, Attempts, candidates, com
 from contactlab.run.folders import ATTEMPTS, OF_A_RUN
 from contactlab.run.restart import differences_to, refuse_other_scene, saved_run
 from contactlab.scene.auto import AUTO, is_auto
-
-if TYPE_CHECKING:
-    from contactlab.scene.scene import Scene
+from contactlab.scene.scene import Scene
 
 SUMMARY = "summary.json"
 RunOne = Callable[["Scene", bool, Attempts], Results]

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
+from contactlab.api import Layout
 from contactlab.model.implicit_model import ImplicitModel
+from contactlab.model.model import Model
 from contactlab.results.iterate_sampler import IterateSampler
 from contactlab.results.record_plan import IteratePlan, iterate_bytes
-
-if TYPE_CHECKING:
-    from contactlab.api import Layout
-    from contactlab.model.model import Model
-    from contactlab.run.run import Run
-    from contactlab.scene.keys import Record
+from contactlab.run.run import Run
+from contactlab.scene.keys import Record
 
 IN_A_STEP = 6  # iterations of a step, for an estimate of what their states take
 

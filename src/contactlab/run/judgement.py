@@ -11,7 +11,9 @@ from contactlab.api import Floats, RunWarning
 from contactlab.api.arrays import Flags
 from contactlab.errors import SimulationFailure
 from contactlab.meshing.curves import facet_depths
+from contactlab.model.model import Model
 from contactlab.results.invariants import NO_STRAIN, invariants, judged_from
+from contactlab.results.sample import Sample
 from contactlab.results.slips import slips_of
 from contactlab.results.strain_scale import energy_of_strain
 from contactlab.run.breaches import breach
@@ -22,9 +24,7 @@ from contactlab.run.resolution import coarse_facets, few_nodes, nearest_points, 
 if TYPE_CHECKING:
     from contactlab.contact.implicit_system import ImplicitContactSystem
     from contactlab.contact.pair import ContactPair
-    from contactlab.model.model import Model
     from contactlab.results.contact_report import ContactReport
-    from contactlab.results.sample import Sample
 
 JUMP = 0.2  # of the largest work: a disc pressed by a fifth of its radius in one step has 0.05, others below 0.02
 WRONG = 0.25  # of the contact force: the pressure belongs to another force

@@ -14,17 +14,16 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 import numpy as np
 from scipy.sparse.linalg import splu
 
-from contactlab.api import PointContact
+from contactlab.api import Floats, Ints, PointContact
 from contactlab.contact.corner_report import corner_pieces
 from contactlab.contact.operator_pair import OperatorPair
+from contactlab.contact.pair import ContactPair
 from contactlab.meshing.curves import distances_to_curve, distances_to_facets
+from contactlab.model.implicit_model import ImplicitModel
 from contactlab.run.stability import linearised
 
 if TYPE_CHECKING:
-    from contactlab.api import Floats, Ints
-    from contactlab.contact.pair import ContactPair
     from contactlab.contact.potential_pair import PotentialPair
-    from contactlab.model.implicit_model import ImplicitModel
 
 HIGH = 0.01  # of a force or of the largest displacement
 

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contactlab.api import Floats
-
-if TYPE_CHECKING:
-    from contactlab.model.model import Model
+from contactlab.model.model import Model
 
 
 class KeptState:

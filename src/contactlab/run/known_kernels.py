@@ -6,12 +6,10 @@ import json
 from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib.resources import files
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from contactlab.parts.provenance import part_specs
-
-if TYPE_CHECKING:
-    from contactlab.scene.scene import Scene
+from contactlab.scene.scene import Scene
 
 
 class KnownKernel(NamedTuple):

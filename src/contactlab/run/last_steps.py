@@ -10,24 +10,20 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactlab.api import Frame, Step, StepStatus
+from contactlab.api import Frame, Layout, Step, StepStatus
 from contactlab.api.recorder import FAILURE, WARNING
+from contactlab.model.model import Model
 from contactlab.results.frame import frame_of
+from contactlab.results.journal import Journal
 from contactlab.results.last_steps_file import drop_last_steps, has_last_steps
 from contactlab.results.record_plan import MEGABYTE
 from contactlab.results.sample import take_sample
 from contactlab.run.guards import EVERY
 from contactlab.run.kept_states import KeptStates
-
-if TYPE_CHECKING:
-    from contactlab.api import Layout
-    from contactlab.model.model import Model
-    from contactlab.results.journal import Journal
-    from contactlab.scene.keys import Record
+from contactlab.scene.keys import Record
 
 LENGTH = 200  # steps, where the scene names none
 # what a frame takes compressed on the disk at most, and in memory, of what it is in a file

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,11 +11,9 @@ from contactlab.api import Floats
 from contactlab.model.loading.declared import courses_in, declared_in
 from contactlab.model.loading.ramps import smooth
 from contactlab.model.model import Model
+from contactlab.model.timing import Timing
 from contactlab.run.swings import Swing
-
-if TYPE_CHECKING:
-    from contactlab.model.timing import Timing
-    from contactlab.scene.scene import Scene
+from contactlab.scene.scene import Scene
 
 SAMPLES = 1024
 EACH_LEG = 17  # samples between two corners of a loading that goes to and fro

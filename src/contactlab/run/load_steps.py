@@ -10,6 +10,7 @@ import numpy as np
 
 from contactlab.api import Floats, ImplicitIntegrator, RunWarning, Step
 from contactlab.errors import SceneError, SimulationFailure
+from contactlab.model.implicit_model import ImplicitModel
 from contactlab.model.loading.declared import courses_in
 from contactlab.model.timing import A_PERIOD
 from contactlab.run.controlled_step import next_stop, within
@@ -20,7 +21,6 @@ from contactlab.run.swings import Swing, frame_warnings, step_warnings
 
 if TYPE_CHECKING:
     from contactlab.contact.implicit_system import ImplicitContactSystem
-    from contactlab.model.implicit_model import ImplicitModel
 
 CUT, GROW = 0.5, 2.0  # of the step that failed, after one that converged easily
 FLOWING = 0.3, 1.5  # the same of bodies that flow: their steps start from the last one, and are best like it

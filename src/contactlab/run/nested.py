@@ -9,19 +9,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from time import process_time
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 from contactlab.api import Estimate, Floats, StepStatus
 from contactlab.errors import RequestError, SimulationFailure, one_line
 from contactlab.model.build import build
+from contactlab.model.implicit_model import ImplicitModel
 from contactlab.model.prolongation import Prolongation, pressures
+from contactlab.parts.registry import Registry
 from contactlab.run.load_steps import LoadSchedule
 from contactlab.run.stability import unstable
-
-if TYPE_CHECKING:
-    from contactlab.model.implicit_model import ImplicitModel
-    from contactlab.parts.registry import Registry
-    from contactlab.scene.scene import Scene
+from contactlab.scene.scene import Scene
 
 FAILURES = 3  # attempts of a coarser level that may fail before it costs more than it saves
 

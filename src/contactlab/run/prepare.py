@@ -5,7 +5,6 @@ from __future__ import annotations
 import warnings
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from contactlab.api import Layout
 from contactlab.errors import ContactlabWarning
@@ -14,10 +13,12 @@ from contactlab.model.build import build
 from contactlab.model.model import Model
 from contactlab.model.sizes import check_frame_size
 from contactlab.parts.provenance import parts_of, versions
+from contactlab.parts.registry import Registry
 from contactlab.results.files import HistoryFile, write_scene
 from contactlab.results.frame import layout_of
 from contactlab.results.journal import Journal
 from contactlab.results.results import Results
+from contactlab.run.attempts import Attempts
 from contactlab.run.guards import Guards
 from contactlab.run.kept_states import KeptStates
 from contactlab.run.recorders import at_work, check_disk_space, open_recordings, recorders_of, when_over
@@ -25,11 +26,7 @@ from contactlab.run.restart import changed_versions, saved_run
 from contactlab.run.run import Run
 from contactlab.run.schedule import Schedule
 from contactlab.run.watches import Watching
-
-if TYPE_CHECKING:
-    from contactlab.parts.registry import Registry
-    from contactlab.run.attempts import Attempts
-    from contactlab.scene.scene import Scene
+from contactlab.scene.scene import Scene
 
 
 def prepare_run(
@@ -125,7 +122,7 @@ def _take_up(run: Run, layout: Layout, folder: Path) -> Results | None:
     if saved is None:
         return None
     past, checkpoint = saved
-    run.restore(checkpoint, folder)
+    run.restore(checkpoint.memory, checkpoint.summary, folder)
     for change in changed_versions(past.layout, layout):
         warnings.warn(f"results may differ in their last digits: {change}", ContactlabWarning, stacklevel=4)
     return past

@@ -6,18 +6,15 @@ import shutil
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from contactlab.api.frame import Layout
 from contactlab.api.recorder import Recorder, Recording, replay
-from contactlab.errors import ContactlabWarning, RequestError, SceneError, one_line
+from contactlab.errors import ContactlabWarning, Location, RequestError, SceneError, one_line
 from contactlab.meshing.room import in_words
+from contactlab.parts.registry import Registry
 from contactlab.results.results import Results
-
-if TYPE_CHECKING:
-    from contactlab.errors import Location
-    from contactlab.parts.registry import Registry
-    from contactlab.scene.scene import Scene
+from contactlab.scene.scene import Scene
 
 
 def recorders_of(scene: Scene, registry: Registry) -> dict[str, Recorder]:

@@ -10,13 +10,13 @@ import numpy as np
 from contactlab.api import ContactCurve, Floats, Ints, RunWarning, SegmentContact, Surface
 from contactlab.meshing.curves import facet_depths, nearest_segments
 from contactlab.meshing.turns import turns
+from contactlab.model.model import Model
 from contactlab.results.facets import cusps
 from contactlab.run.coordinates import coordinates
 
 if TYPE_CHECKING:
     from contactlab.contact.pair import ContactPair
     from contactlab.model.implicit_model import ImplicitModel
-    from contactlab.model.model import Model
     from contactlab.results.contact_report import ContactReport
 
 FACETS = 0.05  # depth of facets over the approach: unlike meshes of a press fit then miss 2.5 % of its mean pressure

@@ -14,11 +14,11 @@ from contactlab.errors import RequestError
 from contactlab.results.files import write_contacts, write_summary
 from contactlab.results.result_file import FILE, RESUMABLE
 from contactlab.results.results import Results
+from contactlab.scene.scene import Scene
 from contactlab.scene.toml_text import parse_toml
 
 if TYPE_CHECKING:
     from contactlab.results.checkpoint_slots import Checkpoint
-    from contactlab.scene.scene import Scene
 
 
 def finished_results(folder: Path, scene: Scene) -> Results | None:

@@ -8,9 +8,9 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
-from contactlab.api import Floats, ImplicitIntegrator, IterationRow, RunWarning, Step, StepStatus
+from contactlab.api import Floats, ImplicitIntegrator, IterationRow, Recorder, RunWarning, Step, StepStatus
 from contactlab.api.recorder import FAILURE
 from contactlab.errors import SimulationFailure
 from contactlab.missing_effects.monitor import EffectMonitor
@@ -21,6 +21,7 @@ from contactlab.results.journal import Journal
 from contactlab.results.results import Results
 from contactlab.results.sample import take_sample
 from contactlab.results.summary import Counts, summarise
+from contactlab.run.attempts import Attempts
 from contactlab.run.guards import EVERY, Guards
 from contactlab.run.kept_states import KeptStates
 from contactlab.run.restart import check_memory, stored_results
@@ -28,13 +29,7 @@ from contactlab.run.schedule import Schedule
 from contactlab.run.watches import NoGuards, Watching, WorkLimit
 
 if TYPE_CHECKING:
-    from contactlab.api import Recorder
-    from contactlab.model.implicit_model import ImplicitModel
-    from contactlab.results.checkpoint_slots import Checkpoint
     from contactlab.results.iterate_sampler import IterateSampler
-    from contactlab.run.attempts import Attempts
-    from contactlab.run.controlled_step import ControlJudge
-    from contactlab.run.guarded_step import GuardJudge
     from contactlab.run.last_steps import LastSteps
     from contactlab.run.nested import NestedStart
 
@@ -97,17 +92,19 @@ class Run:
         if nested.levels and not nested.model.estimates:
             self.schedule.follow_the_way()
 
-    def step_judge(self) -> ControlJudge | GuardJudge | None:
-        """Return the judge of the steps, or None if no step of this run can be rejected."""
+    def step_judge(self) -> tuple[Callable[[], None], Callable[[Step], Step]] | None:
+        """Return what is called before and after each step, which it may reject; None if no step can be rejected."""
         if not self.model.explicit:
             from contactlab.run.guarded_step import GuardJudge
 
-            return GuardJudge(self.model, self.guards, lambda: self.schedule.skips)
+            guarded = GuardJudge(self.model, self.guards, lambda: self.schedule.skips)
+            return guarded.begin, guarded.judged
         if self.schedule.control is None:
             return None
         from contactlab.run.controlled_step import ControlJudge
 
-        return ControlJudge(self.model)
+        controlled = ControlJudge(self.model)
+        return controlled.begin, controlled.judged
 
     @property
     def every_step(self) -> tuple[Callable[[Step, float], None], ...]:
@@ -125,7 +122,7 @@ class Run:
         done = step.status is StepStatus.accepted
         state, dt = self.model.state, self.schedule.dt
         begun = (state.step if done else state.step + 1, state.time - dt if done else state.time, dt, self.attempt)
-        shown = cast("ImplicitModel", self.model).shown_conditions
+        shown = self.model.shown_conditions
         trace = [row._replace(statuses=row.statuses[:shown]) for row in step.trace]
         self.journal.iterated([IterationRow._make((*begun, i + 1, *row)) for i, row in enumerate(trace)])
         if self.iterates is not None:
@@ -180,7 +177,7 @@ class Run:
             return
         from contactlab.run.stability import unstable
 
-        self.model.warnings.add(*unstable(cast("ImplicitModel", self.model)))
+        self.model.warnings.add(*unstable(self.model))
 
     def _look_again(self) -> None:
         """Sample a run that was resumed at its very last frame."""
@@ -269,15 +266,15 @@ class Run:
         recorded = (self.journal,) if hasattr(self, "journal") else ()  # it is opened after the rest is restored
         return self.schedule, self.guards, self.counts, self.monitor, *(p for p in (*more, *recorded) if p is not None)
 
-    def restore(self, checkpoint: Checkpoint, folder: Path) -> None:
-        """Restore a checkpoint. Raises RequestError if it does not fit this model."""
-        check_memory(checkpoint.memory, self.saved(), folder)
-        self.saved_memory = checkpoint.memory
-        restore_model(self.model, checkpoint.memory)
+    def restore(self, memory: Mapping[str, Floats], summary: str, folder: Path) -> None:
+        """Restore arrays that were saved, and take up the summary. Raises RequestError if they do not fit the model."""
+        check_memory(memory, self.saved(), folder)
+        self.saved_memory = memory
+        restore_model(self.model, memory)
         for part in self._followers:
-            part.restore(checkpoint.memory)
+            part.restore(memory)
         self.first_step = self.counts.steps
-        self.taken_up = json.loads(checkpoint.summary) if checkpoint.summary else {}
+        self.taken_up = json.loads(summary) if summary else {}
         self.model.warnings.restore(map(RunWarning.from_data, self.taken_up.get("warnings", ())))
         self.clock.before = self.taken_up.get("cost", {})
         self.resumed_at = [*self.taken_up.get("resumed_at_steps", ()), self.counts.steps]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -14,9 +14,7 @@ from contactlab.model.model import Model
 from contactlab.results.reaction_balance import reaction_mismatch, reaction_sum
 from contactlab.run.stopping import stop
 from contactlab.run.swings import Swing, frame_warnings, step_warnings, swings_of
-
-if TYPE_CHECKING:
-    from contactlab.scene.scene import Scene
+from contactlab.scene.scene import Scene
 
 SETTLED_MISMATCH = 2e-4  # of support reactions, over the last period
 SETTLED_KINETIC = 1e-3  # kinetic over internal energy

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from numbers import Real
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING
 
 from contactlab.api import Step, StepStatus, Watch
 from contactlab.arguments import NAME, arguments
@@ -24,6 +23,7 @@ from contactlab.errors import (
     one_line,
 )
 from contactlab.model.build import build
+from contactlab.model.model import BoundIntegrator
 from contactlab.parts.error_origin import part_at_fault, part_errors
 from contactlab.parts.machine import with_one_blas_thread
 from contactlab.parts.registry import Registry
@@ -43,9 +43,6 @@ from contactlab.run.watches import NoGuards, Watching, WorkLimit
 from contactlab.scene.auto import is_auto
 from contactlab.scene.scene import Scene, load_scene
 from contactlab.views import view
-
-if TYPE_CHECKING:
-    from contactlab.model.model import BoundIntegrator
 
 MOST = 52  # steps that are repeated: from one look at the model to the next, and what a fault takes to be seen
 
@@ -248,13 +245,13 @@ def wrong_answer(run: Run) -> str:
 def steps(run: Run, integrator: BoundIntegrator) -> Iterator[Step]:
     """Yield accepted steps until the run ends, each counted, guarded and sampled; retry failed steps with a cut."""
     schedule, guards, counts, every_step = run.schedule, run.guards, run.counts, run.every_step
-    judge = run.step_judge()
+    begin, judged = run.step_judge() or (None, None)
     while not schedule.done():
-        if judge is not None:
-            judge.begin()
+        if begin is not None:
+            begin()
         step = integrator.step(schedule.dt)
-        if judge is not None:
-            step = judge.judged(step)
+        if judged is not None:
+            step = judged(step)
         if step.trace:
             run.iterated(step)
         if step.status is not StepStatus.accepted:

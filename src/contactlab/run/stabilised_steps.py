@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contactlab.api import WORK, Floats, RunWarning
 from contactlab.errors import SimulationFailure
-
-if TYPE_CHECKING:
-    from contactlab.model.implicit_model import ImplicitModel
+from contactlab.model.implicit_model import ImplicitModel
 
 JUMP = 0.25  # of the wished step: what jumps in a stabilised step does so under about the load that it jumps at
 CUTS = 1  # of a stabilised step before the run is given up

@@ -10,7 +10,7 @@ Newton's method finds it as willingly as any other.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.sparse import block_array, csc_array, csr_array, diags_array, vstack
@@ -19,9 +19,8 @@ from scipy.sparse.linalg import splu
 
 from contactlab.api import Floats, Ints, Response, RunWarning
 from contactlab.api.arrays import Flags
-
-if TYPE_CHECKING:
-    from contactlab.model.implicit_model import ImplicitModel
+from contactlab.model.implicit_model import ImplicitModel
+from contactlab.model.model import Model
 
 SINGULAR = 1e-9  # of a matrix whose entries are of size 1: the sign of a smaller pivot is round-off
 SYMMETRIC = 1e-9  # alike: pivots of a less symmetric matrix give the parity only
@@ -46,8 +45,9 @@ class Linearised(NamedTuple):
     conditions: Ints
 
 
-def unstable(model: ImplicitModel, mesh: str = "") -> Iterator[RunWarning]:
+def unstable(model: Model, mesh: str = "") -> Iterator[RunWarning]:
     """Warn of a present equilibrium that is not stable; `mesh` names a coarser one that stands for the model's."""
+    assert isinstance(model, ImplicitModel)  # explicit steps leave such a state by themselves
     leaving = unstable_motions(model)
     if leaving:
         yield RunWarning(

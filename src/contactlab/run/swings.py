@@ -5,18 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from contactlab.api import Floats, RunWarning
 from contactlab.model.loading.declared import courses_in
 from contactlab.model.loading.load_profile import values_of
-
-if TYPE_CHECKING:
-    from contactlab.model.loading.ramps import Course
-    from contactlab.model.timing import Timing
-    from contactlab.scene.scene import Scene
+from contactlab.model.loading.ramps import Course
+from contactlab.model.timing import Timing
+from contactlab.scene.scene import Scene
 
 SAMPLES = (1009, 4003, 16033, 64019, 262139)  # of a function between breaks; primes, so that no period fits them all
 ALIKE = 1e-3  # of the variation: two sets of samples that see as much have seen all

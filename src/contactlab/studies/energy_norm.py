@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
@@ -11,12 +11,10 @@ from contactlab.api import Floats, Record
 from contactlab.model.bodies.body import Body
 from contactlab.model.bodies.stiffness import cell_stiffness
 from contactlab.model.build import build
+from contactlab.results.results import Results
+from contactlab.scene.scene import Scene
 
-if TYPE_CHECKING:
-    from contactlab.results.results import Results
-    from contactlab.scene.scene import Scene
-
-    Ended = Results | Record
+Ended = Results | Record
 
 ROUND = 12  # decimals at which coordinates of nodes are the same
 

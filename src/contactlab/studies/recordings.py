@@ -6,20 +6,18 @@ import json
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from contactlab.api.recorder import Recorder
 from contactlab.errors import ContactlabError, ContactlabWarning, RequestError, did_you_mean, one_line
+from contactlab.parts.registry import Registry
 from contactlab.results.inventory import flat
 from contactlab.results.load import load_results
 from contactlab.results.result_file import FILE
 from contactlab.results.results import Results
 from contactlab.run.recorders import at_work, recorders_of, when_over
+from contactlab.scene.scene import Scene
 from contactlab.scene.toml_text import parse_toml
-
-if TYPE_CHECKING:
-    from contactlab.parts.registry import Registry
-    from contactlab.scene.scene import Scene
 
 RUNS = "runs"
 SHOWN = 12

@@ -18,9 +18,9 @@ from contactlab.api.drawing.colours import STYLES, styles
 from contactlab.api.frame import Event, Frame, Iterate, IterationRow, Layout, StoredRun
 from contactlab.api.recorder import Recording, replay
 from contactlab_rerun.gathered import Appearance, Gathered, entity_name, tint
+from contactlab_rerun.recorder import Rerun
 
 if TYPE_CHECKING:
-    from contactlab_rerun.recorder import Rerun
     from contactlab_rerun.series import SeriesWriter
     from contactlab_rerun.timeline_file import TimelineFile
 

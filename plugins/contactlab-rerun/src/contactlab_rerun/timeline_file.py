@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import rerun as rr
@@ -24,12 +24,10 @@ from contactlab_rerun.node_tables import log_tables
 from contactlab_rerun.notes import log_events, log_iterations, log_page, log_state_tracks, track_folders
 from contactlab_rerun.opening import OPENS
 from contactlab_rerun.profiles import Profile, log_profile, profile_of
+from contactlab_rerun.recorder import Rerun
 from contactlab_rerun.series import SeriesWriter
 from contactlab_rerun.step_pictures import log_pictures
 from contactlab_rerun.stream import FileStream, drop_streams
-
-if TYPE_CHECKING:
-    from contactlab_rerun.recorder import Rerun
 
 MOST_TRACKS = 12  # in the view of a comparison
 MESHES = 0.25e6  # bytes of all meshes and their lines in a recording, if the scene does not say which frames are drawn

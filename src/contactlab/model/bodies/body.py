@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -90,6 +91,20 @@ class RigidSurface:
 def positions_of(bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...]) -> Floats:
     """Return positions (N, 2) [mm] of all nodes before the run."""
     return np.concatenate([*(body.mesh.nodes for body in bodies), *(surface.points for surface in rigid)])
+
+
+class Joints(NamedTuple):
+    """Nodes tied to a point of an edge: u[node] = (1 - share) u[ends[0]] + share u[ends[1]].
+
+    node (j,), ends (j, 2) node numbers; share (j,) from 0 to 1
+    """
+
+    node: Ints
+    ends: Ints
+    share: Floats
+
+
+NO_JOINTS = Joints(np.zeros(0, np.int32), np.zeros((0, 2), np.int32), np.zeros(0))
 
 
 @dataclass

@@ -2,27 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from contactlab.api import Element, Floats, Material, Mesh, MeshSource
 from contactlab.api.formulas import formulas_of
-from contactlab.errors import SceneError, WrongAnswer
+from contactlab.errors import SceneError, Where, WrongAnswer
 from contactlab.meshing.checks import check_mesh
 from contactlab.meshing.mesh import moved, nodal_measure
 from contactlab.meshing.slits import Pairs, check_closed
-from contactlab.model.bodies.body import Body
+from contactlab.model.bodies.body import Body, RigidSurface
 from contactlab.model.loading.edge_sets import with_parts
+from contactlab.parts.registry import Registry
 from contactlab.scene.checks import split_target
+from contactlab.scene.keys import Body as BodySpec
 from contactlab.scene.reading import refused_later
-
-if TYPE_CHECKING:
-    from contactlab.errors import Where
-    from contactlab.model.bodies.body import RigidSurface
-    from contactlab.parts.registry import Registry
-    from contactlab.scene.keys import Body as BodySpec
-    from contactlab.scene.scene import Scene
+from contactlab.scene.scene import Scene
 
 
 def build_bodies(scene: Scene, registry: Registry) -> tuple[Body, ...]:

@@ -6,31 +6,17 @@ NumPy solves small systems: importing SciPy's solvers takes longer than the solu
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from contactlab.api import Floats, Ints
-from contactlab.model.bodies.body import Body
+from contactlab.model.bodies.body import NO_JOINTS, Body, Joints
 from contactlab.model.bodies.stiffness import cell_stiffness
 from contactlab.model.model_size import SMALL
 
 ROUND = 1e-12  # of the mean stiffness over mass: rigid motions keep round-off of the moduli
 STIFF = 100.0  # of the largest nodal stiffness: springs of joints then give a hundredth as much as a cell
-
-
-class Joints(NamedTuple):
-    """Nodes tied to a point of an edge: u[node] = (1 - share) u[ends[0]] + share u[ends[1]].
-
-    node (j,), ends (j, 2) node numbers; share (j,) from 0 to 1
-    """
-
-    node: Ints
-    ends: Ints
-    share: Floats
-
-
-NO_JOINTS = Joints(np.zeros(0, np.int32), np.zeros((0, 2), np.int32), np.zeros(0))
 
 
 def lowest_frequency(

@@ -4,22 +4,19 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from contactlab.api import Enforcement, Floats, FrictionLaw, NormalLaw, Surface
 from contactlab.api.arrays import Flags
 from contactlab.api.surface import SurfacePositions
-from contactlab.errors import PartError, SceneError, below
+from contactlab.errors import PartError, SceneError, Where, below
 from contactlab.kernels.contact.search import longest_segment
 from contactlab.meshing.inside import depths_inside
 from contactlab.meshing.mesh import outer_edges
 from contactlab.model.bodies.body import Body
 from contactlab.parts.registry import split_spec
-
-if TYPE_CHECKING:
-    from contactlab.errors import Where
 
 DEEP = 0.1  # segment lengths that a curved surface may cut into another without any overlap of the true shapes
 FACING = 64  # slave segments, from all over the surface, compared with all of the master at a time

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -11,18 +11,14 @@ from contactlab.api import Floats, Surface
 from contactlab.api.arrays import Flags
 from contactlab.contact.pair import ContactPair, initial_gaps, start_distances
 from contactlab.contact.start_gaps import FacetOverlap, FittedFacets, RampedOverlap
-from contactlab.errors import SceneError, below
+from contactlab.errors import SceneError, Where, below
 from contactlab.kernels.contact.pair import FAR
 from contactlab.kernels.contact.penetration import depths, with_midpoints
 from contactlab.meshing.curves import distances_to_curve, facet_depths
 from contactlab.meshing.mesh import inverted_cells
-from contactlab.model.bodies.body import Body, positions_of
+from contactlab.model.bodies.body import Body, RigidSurface, positions_of
 from contactlab.model.contact.checks import check_overlap, overlap_error
 from contactlab.model.loading.ramps import smooth
-
-if TYPE_CHECKING:
-    from contactlab.errors import Where
-    from contactlab.model.bodies.body import RigidSurface
 
 ROUND = 1e-6  # segment lengths: pushing this out in one step costs a millionth of the wave speed
 SETTLED = 1e-12  # segment lengths left after an adjustment

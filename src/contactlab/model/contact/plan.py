@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -21,18 +21,14 @@ from contactlab.api import (
 )
 from contactlab.contact.corners import corners_of
 from contactlab.contact.sliding import rows_of
-from contactlab.errors import PartError, SceneError, below
+from contactlab.errors import PartError, SceneError, Where, below
 from contactlab.meshing.mesh import split_at_corners, surface_from_edges
-from contactlab.model.bodies.body import Body, positions_of
+from contactlab.model.bodies.body import Body, RigidSurface, positions_of
 from contactlab.model.contact.checks import check_facing, check_solid_side, refuse_half_passes
 from contactlab.model.contact.systems import ContactPlan, all_passes, by_energy
 from contactlab.model.loading.edge_sets import edge_set
-
-if TYPE_CHECKING:
-    from contactlab.errors import Where
-    from contactlab.model.bodies.body import RigidSurface
-    from contactlab.parts.registry import Registry
-    from contactlab.scene.scene import Scene
+from contactlab.parts.registry import Registry
+from contactlab.scene.scene import Scene
 
 
 def plan_contacts(
@@ -195,8 +191,6 @@ def _surface(
 
 def contact_shapes(plans: tuple[ContactPlan, ...], nodes: int) -> Mapping[str, tuple[int, ...]]:
     """Return state fields of the contacts; nothing tangential without friction."""
-    if not plans:
-        return {}
     rows, plans = 2 if any(plan.friction is not None for plan in plans) else 1, all_passes(plans)
     shapes: dict[str, tuple[int, ...]] = {"multipliers": (rows, sum(plan.slots for plan in plans))}
     shapes |= {"multipliers_before": shapes["multipliers"][1:], "contact_force": (nodes, 2)}

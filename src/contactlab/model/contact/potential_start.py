@@ -3,24 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from contactlab.api import ExplicitIntegrator, Floats, FrictionLaw, Integrator, Potential
 from contactlab.api.compiled.chains import nodal_normals, segment_normals
 from contactlab.contact.closest import closest_points, first_crossing
-from contactlab.errors import PartError, SceneError, below
+from contactlab.errors import PartError, SceneError, Where, below
 from contactlab.kernels.contact.search import near_segments
 from contactlab.meshing.mesh import cell_measures
-from contactlab.model.bodies.body import Body, positions_of
+from contactlab.model.bodies.body import Body, RigidSurface, positions_of
 from contactlab.model.contact.cells_behind import stiffness_behind
 from contactlab.model.contact.initial_gap import moved_body, refuse_overlap
-
-if TYPE_CHECKING:
-    from contactlab.errors import Where
-    from contactlab.model.bodies.body import RigidSurface
-    from contactlab.model.contact.systems import ContactPlan
+from contactlab.model.contact.systems import ContactPlan
 
 ROUNDS = 60
 SETTLED = 1e-9  # of the clearance: round-off of positions

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from contactlab.api import ContactMethod, Enforcement, NormalLaw, SegmentContact, Surface
-from contactlab.errors import PartError, SceneError, below
+from contactlab.errors import PartError, SceneError, Where, below
 from contactlab.parts.registry import split_spec
-
-if TYPE_CHECKING:
-    from contactlab.errors import Where
 
 
 def refuse_smooth(

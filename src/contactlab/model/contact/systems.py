@@ -30,14 +30,13 @@ from contactlab.contact.gap_pair import GapPair
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair, start_distances
 from contactlab.contact.start_gaps import ZeroStart
-from contactlab.errors import SceneError
+from contactlab.errors import SceneError, Where
 from contactlab.model.bodies.body import Body, BodyForces
 from contactlab.model.contact.checks import refuse_held_slave
 from contactlab.model.contact.initial_gap import facet_overlap, ramped_overlap, refuse_overlap
 
 if TYPE_CHECKING:
     from contactlab.contact.implicit_system import ImplicitContactSystem
-    from contactlab.errors import Where
 
 
 @dataclass(frozen=True)

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contactlab.api import Floats, Surface
 from contactlab.kernels.contact.search import near_segments
-from contactlab.model.bodies.frequency import NO_JOINTS, Joints
-
-if TYPE_CHECKING:
-    from contactlab.model.contact.systems import ContactPlan
+from contactlab.model.bodies.body import NO_JOINTS, Joints
+from contactlab.model.contact.systems import ContactPlan
 
 TOUCH = 1e-6  # of a segment: round-off of matching meshes
 

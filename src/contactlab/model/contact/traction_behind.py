@@ -4,23 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from scipy.sparse import coo_array
 
 from contactlab.api import Element, Floats, ImplicitIntegrator, Integrator, Ints
 from contactlab.contact.pair import ContactPair
-from contactlab.errors import PartError, SceneError, below
+from contactlab.errors import PartError, SceneError, Where, below
 from contactlab.model.bodies.body import Block, Body, BodyForces
 from contactlab.model.bodies.tangent import KIND, follows_tables, two_point_modulus
 from contactlab.model.contact.cells_behind import edges_behind
+from contactlab.model.contact.systems import ContactPlan
 from contactlab.model.loading.edge_sets import edge_set
-
-if TYPE_CHECKING:
-    from contactlab.errors import Where
-    from contactlab.model.contact.systems import ContactPlan
-    from contactlab.scene.scene import Scene
+from contactlab.scene.scene import Scene
 
 Entries = tuple[Ints, Ints, Floats]
 """Rows, columns and values (e,) of a matrix."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import product
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -11,12 +11,9 @@ from contactlab.api import Floats, Ints
 from contactlab.errors import SceneError
 from contactlab.meshing.checks import pieces
 from contactlab.meshing.mesh import segments_of
-from contactlab.model.bodies.body import Body
+from contactlab.model.bodies.body import Body, RigidSurface
 from contactlab.model.loading.supports import Prescribed
-
-if TYPE_CHECKING:
-    from contactlab.model.bodies.body import RigidSurface
-    from contactlab.scene.scene import Scene
+from contactlab.scene.scene import Scene
 
 SAMPLES = 33  # times at which motion is checked: ramps are monotonic, tables have a few corners
 

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from contactlab.api import RunWarning
 from contactlab.errors import SceneError
 from contactlab.model.loading.ramps import Course, RampTime, course_of
-
-if TYPE_CHECKING:
-    from contactlab.scene.scene import Scene
+from contactlab.scene.scene import Scene
 
 VALUES = ("ux", "uy", "turn", "pressure", "shear", "tx", "ty", "value")  # of supports, rigid surfaces, loads, fields
 NEARLY = 1e-9  # of the end: differences below it are round-off

@@ -6,17 +6,14 @@ rule on both halves differ. Its points gather at the ends of a piece: it resolve
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from contactlab.api import Element, Floats, Ints, RunWarning
+from contactlab.api import Element, Floats, Ints, Profile, RunWarning
+from contactlab.errors import Where
 from contactlab.model.loading.load_profile import Varying, with_mean
-
-if TYPE_CHECKING:
-    from contactlab.api import Profile
-    from contactlab.errors import Where
-    from contactlab.parts.registry import Registry
+from contactlab.parts.registry import Registry
 
 POINTS = 3  # of an edge under a uniform load: exact for the quadratic trace times the derivative of a parabola
 PARTS = 3  # Gauss points of a part of an edge, whose length is exact if it is straight

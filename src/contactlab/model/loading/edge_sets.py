@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from contactlab.api import Floats, Ints, Mesh
-from contactlab.errors import SceneError, below, did_you_mean
+from contactlab.errors import SceneError, Where, below, did_you_mean
 from contactlab.model.bodies.body import Body
-
-if TYPE_CHECKING:
-    from contactlab.errors import Where
 
 SLACK = 1e-3  # of an edge: a bound this near a node goes through the node
 

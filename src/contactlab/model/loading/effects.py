@@ -4,27 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from contactlab.api import Effect, EffectView, Floats, Ints, Profile, RunWarning, State
-from contactlab.errors import SceneError, WrongAnswer, below
+from contactlab.errors import SceneError, Where, WrongAnswer, below
 from contactlab.meshing.mesh import nodal_measure
 from contactlab.model.bodies.body import Body
 from contactlab.model.loading.edge_integrals import Edges, uniform
 from contactlab.model.loading.edge_sets import edge_set, nodes_of
 from contactlab.model.loading.load_profile import of_nodes
 from contactlab.model.loading.node_profiles import tell_unresolved
+from contactlab.model.loading.ramps import RampTime
+from contactlab.parts.registry import Registry
 from contactlab.parts.remembered import remember
 from contactlab.scene.reading import refused_later
-
-if TYPE_CHECKING:
-    from contactlab.errors import Where
-    from contactlab.model.loading.loads import Load
-    from contactlab.model.loading.ramps import RampTime
-    from contactlab.parts.registry import Registry
-    from contactlab.scene.scene import Scene
+from contactlab.scene.scene import Scene
 
 
 def build_effects(
@@ -37,7 +33,7 @@ def build_effects(
     state: State,
     told: list[RunWarning],
     ramps: RampTime,
-) -> tuple[Load, ...]:
+) -> tuple[Callable[[float, Floats], None], ...]:
     """Return a call for each of the scene's effects; `masses` makes the nodal masses, optional in statics."""
     mass = masses() if "velocity" in state or any(effect.needs_mass for effect in made) else np.zeros(0)
     displacement = state["displacement"]

@@ -11,11 +11,11 @@ from contactlab.api import Floats, FrictionBound, Integrator
 from contactlab.errors import SceneError
 from contactlab.model.bodies.body import Body
 from contactlab.model.loading.supports import Prescribed, SupportPlan
+from contactlab.scene.scene import Scene
 
 if TYPE_CHECKING:
     from contactlab.contact.potential_pair import PotentialPair
     from contactlab.model.implicit_model import ImplicitModel
-    from contactlab.scene.scene import Scene
 
 RANK = 1e-6  # of the largest resistance: motions with less are free
 ROUND = 1e-12  # of the stiffness: less from loads is round-off

@@ -5,18 +5,13 @@ from __future__ import annotations
 import io
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactlab.api import Floats
-from contactlab.errors import PartError, SceneError, below, one_line
+from contactlab.api import Floats, Function, Profile
+from contactlab.errors import PartError, SceneError, Where, below, one_line
 from contactlab.outside_files import text_outside
-
-if TYPE_CHECKING:
-    from contactlab.api import Function, Profile
-    from contactlab.errors import Where
-    from contactlab.parts.registry import Registry
+from contactlab.parts.registry import Registry
 
 ROWS = "rows of two finite numbers, the first ones rising"
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,9 +13,7 @@ from contactlab.model.bodies.body import Body
 from contactlab.model.loading.edge_integrals import Edges, Points, uniform, varying
 from contactlab.model.loading.edge_sets import edge_set
 from contactlab.model.loading.ramps import Course, Ramp, RampTime, courses_of
-
-if TYPE_CHECKING:
-    from contactlab.scene.scene import Scene
+from contactlab.scene.scene import Scene
 
 Load = Callable[[float, Floats], None]
 """Adds nodal forces (N, 2) [N] at a time [s]."""

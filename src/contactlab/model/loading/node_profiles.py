@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from contactlab.api import Floats, Ints, RunWarning
-
-if TYPE_CHECKING:
-    from contactlab.errors import Where
-    from contactlab.model.bodies.body import Body
-    from contactlab.model.loading.load_profile import Varying
+from contactlab.errors import Where
+from contactlab.model.bodies.body import Body
+from contactlab.model.loading.load_profile import Varying
 
 LIMIT = 0.02  # of the profile's integral: error allowed between nodes
 PLACES = 33  # between two neighbours, or between a node and a break

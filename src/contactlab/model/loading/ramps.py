@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from contactlab.api import Function
-from contactlab.errors import below
+from contactlab.errors import Where, below
 from contactlab.model.loading.load_profile import read_pairs, values_of
-
-if TYPE_CHECKING:
-    from contactlab.errors import Where
-    from contactlab.parts.registry import Registry
-    from contactlab.scene import keys
+from contactlab.parts.registry import Registry
+from contactlab.scene import keys
 
 Ramp = Callable[[float], float]
 """Fraction of the final value at a time [s]."""

@@ -4,21 +4,17 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contactlab.api import Floats, Ints
 from contactlab.contact.closest import crossing
-from contactlab.errors import SceneError
+from contactlab.errors import SceneError, Where
 from contactlab.model.bodies.body import Body, RigidSurface
 from contactlab.model.loading.edge_sets import edge_set
 from contactlab.model.sizes import check_rigid_size
-
-if TYPE_CHECKING:
-    from contactlab.errors import Where
-    from contactlab.scene.keys import Arc, Rigid
-    from contactlab.scene.scene import Scene
+from contactlab.scene.keys import Arc, Rigid
+from contactlab.scene.scene import Scene
 
 SAGITTA = 1e-3  # of its radius: largest height of an arc above its segments
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, get_args
+from typing import Any, get_args
 
 import numpy as np
 
@@ -13,12 +13,10 @@ from contactlab.api.material import MaterialNeed
 from contactlab.api.normal_law import NormalNeed
 from contactlab.errors import SceneError
 from contactlab.kernels.size import jacobian_determinants
+from contactlab.model.bodies.body import Body, BodyForces
 from contactlab.model.loading.load_profile import of_nodes
 from contactlab.model.loading.ramps import RampTime, course_of
-
-if TYPE_CHECKING:
-    from contactlab.model.bodies.body import Body, BodyForces
-    from contactlab.scene.scene import Scene
+from contactlab.scene.scene import Scene
 
 InTime = Callable[[float], Floats | float]
 """Values at some points at a time [s]."""

@@ -5,25 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from contactlab.api import Floats, Ints, RunWarning
-from contactlab.errors import SceneError, below
-from contactlab.model.bodies.body import Body
+from contactlab.errors import SceneError, Where, below
+from contactlab.model.bodies.body import Body, RigidSurface
 from contactlab.model.loading.edge_integrals import Edges
 from contactlab.model.loading.edge_sets import edge_set, nodes_of
 from contactlab.model.loading.load_profile import Varying
 from contactlab.model.loading.node_profiles import tell_unresolved
 from contactlab.model.loading.ramps import Course, Ramp, RampTime, course_of, courses_of
-
-if TYPE_CHECKING:
-    from contactlab.errors import Where
-    from contactlab.model.bodies.body import RigidSurface
-    from contactlab.parts.registry import Registry
-    from contactlab.scene.keys import Rigid, Support
-    from contactlab.scene.scene import Scene
+from contactlab.parts.registry import Registry
+from contactlab.scene.keys import Rigid, Support
+from contactlab.scene.scene import Scene
 
 Values = Callable[[float], Floats]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,14 +11,12 @@ from matplotlib.axes import Axes
 from contactlab.api.arrays import Floats
 from contactlab.api.drawing.colours import STYLES
 from contactlab.errors import Location
+from contactlab.model.bodies.body import Body
 from contactlab.parts.registry import default_registry
 from contactlab.reports.figures import INK, MUTED, PAPER
 from contactlab.results.results import Results
 from contactlab.scene.scene import Scene
 from contactlab.scene.toml_text import parse_toml
-
-if TYPE_CHECKING:
-    from contactlab.model.bodies.body import Body
 
 MARKS = 13  # of one support at most
 ARROWS = 9  # of one load at most
