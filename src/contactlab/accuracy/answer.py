@@ -12,6 +12,10 @@ from contactlab.accuracy.judged import ForcesJudged
 from contactlab.accuracy.remaining import Truth
 from contactlab.accuracy.trials import EQUAL, Place, Trials
 from contactlab.parts.registry import split_spec
+from contactlab.studies.profile import Profile
+
+EDGE = 0.05
+"""Part of a contact's length next to its ends in which the highest pressure is one below an edge."""
 
 
 @dataclass(frozen=True)
@@ -113,6 +117,13 @@ def _best_known(trials: Trials, finished: Sequence[Place], truth: Truth | None) 
     return min(exact, key=trials.cost) if exact else min(alike, key=lambda place: _off_by_force(trials, place))
 
 
+def highest_at_an_end(pressure: Profile) -> bool:
+    """Return whether a pressure is highest where contact ends, as below a sharp edge."""
+    x = pressure.x[pressure.value > 0.0]
+    peak = pressure.x[pressure.value.argmax()]
+    return bool(min(peak - x[0], x[-1] - peak) <= EDGE * (x[-1] - x[0]))
+
+
 def _off_by_force(trials: Trials, place: Place) -> float:
     """Relative difference of forces from those of the finest run, the dearest of them."""
     finest = max((p for p in trials.all if trials.all[p].finished), key=lambda p: (p[1], trials.cost(p)))
@@ -148,6 +159,8 @@ def _why_not(trials: Trials, place: Place, met: Sequence[Place], truth: Truth | 
         forces = f"its forces differ by {100.0 * _off_by_force(trials, place):.2g} % from those of the finest run"
         if truth.uncertainty >= trials.wish.error:
             text += f"; pressures do not tell runs apart: the cheapest whose forces are right to {asked} is taken"
+            edge = trials.pressed() and any(map(highest_at_an_end, truth.value.values()))
+            text += "; a pressure has no limit below a sharp edge: round it" if edge else "; a longer --search may help"
         text += f"; {forces}"
     used = "stopped early" if trials.stopped else f"{trials.spent:.3g} of {trials.wish.search:g} CPU s used"
     return f"the best I can say: {text} ({used})"

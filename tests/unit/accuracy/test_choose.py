@@ -12,6 +12,7 @@ import pytest
 from tiers import some
 
 from contactlab.accuracy import judged as judging
+from contactlab.accuracy.answer import highest_at_an_end
 from contactlab.accuracy.choose import LEVELS, Chosen, Wish, choose_plan
 from contactlab.accuracy.configuration import (
     Configuration,
@@ -170,6 +171,20 @@ def test_where_no_mesh_settles_the_pressure_forces_choose() -> None:
     assert found.uncertainty > 0.02
     assert found.level == 1
     assert "forces" in found.why
+    assert "--search" in found.why
+    assert "edge" not in found.why
+
+
+def test_a_pressure_that_is_highest_where_contact_ends_is_one_of_an_edge() -> None:
+    x = np.linspace(-1.0, 1.0, 101)
+    edge = (1.0001 - x**2) ** -0.5
+    for values, at_end in ((edge, True), (np.where(abs(x) < 0.5, edge, 0.0), True), (1.0 - x**2, False)):
+        assert highest_at_an_end(Profile(x, values)) is at_end
+
+    def singular(run: Run) -> Record:
+        return record(lambda x: (1.0001 - x**2) ** -0.5 * (1.0 + 0.5 * run.scene.level**-0.2), 0.3 * run.scene.level**2)
+
+    assert "sharp edge" in chosen(singular, 0.02, search=100.0).why
 
 
 def test_runs_that_all_fail_leave_an_answer_with_the_reason() -> None:
