@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.sparse import block_array, csc_array, csr_array, diags_array, vstack
 from scipy.sparse.csgraph import connected_components
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs, splu
 
 from contactlab.api import Floats, Ints, Response, RunWarning
 from contactlab.api.arrays import Flags
@@ -24,7 +24,9 @@ from contactlab.model.model import Model
 
 SINGULAR = 1e-9  # of a matrix whose entries are of size 1: the sign of a smaller pivot is round-off
 SYMMETRIC = 1e-9  # alike: pivots of a less symmetric matrix give the parity only
-SPARE, ITERATIONS = 4, 20  # motions more than sought, so that those sought converge by a factor of ten in each
+SPARE = 2  # motions more than sought, so that one that leaves is seen beside softer ones that do not
+DENSE = 24  # degrees of freedom below which Arnoldi's method has no room
+ACCURATE = 1e-8  # of a softness: well below `REAL`
 REAL = 1e-6  # a softness with more of an imaginary part belongs to a motion that turns, not to one that leaves
 HARD = 0.01  # over the largest nodal stiffness: smaller softness, of motions that conditions hold, is round-off
 EVEN = 2  # motions sought where an even number may leave
@@ -73,21 +75,48 @@ def unstable_motions(model: ImplicitModel) -> int:
     if contact is not None and contact.friction and any(pair.half for pair in contact.pairs):
         return 0  # both half passes hold the same slips: with a row for each there is no inverse
     equations = linearised(model)
-    leaving = _negative_directions(equations)
+    factors = _factorised(equations.matrix)
+    if factors is None:
+        return 0
+    leaving = _negative_directions(equations, factors)
     if leaving and model.contact is not None:
-        fixed = _negative_directions(linearised(model, normals_turn=False))
-        leaving = min(leaving - _neutral_motions(model, equations, leaving), fixed)
+        held = linearised(model, normals_turn=False)
+        fixed = _factorised(held.matrix)
+        others = 0 if fixed is None else _negative_directions(held, fixed)
+        leaving = min(leaving - _neutral_motions(model, equations, factors, leaving), others)
     return leaving
 
 
-def _neutral_motions(model: ImplicitModel, equations: Linearised, leaving: int) -> int:
+class _Factors(NamedTuple):
+    """Factors of a matrix whose rows and columns are multiplied alike by `scale`, which changes no sign."""
+
+    lu: Any
+    matrix: Any
+    scale: Floats
+
+    def solve(self, right: Floats) -> Floats:
+        """Solve with the matrix that was not scaled for one right-hand side (n,)."""
+        return np.asarray(self.scale * self.lu.solve(self.scale * right))
+
+
+def _factorised(matrix: Any) -> _Factors | None:
+    """Factorise a matrix; None if it is singular."""
+    scaled, scale = _scaled(matrix)
+    try:
+        lu = splu(scaled, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=1e-3, options={"SymmetricMode": True})
+    except RuntimeError:
+        return None
+    return None if (np.abs(lu.U.diagonal()) <= SINGULAR).any() else _Factors(lu, scaled, scale)
+
+
+def _neutral_motions(model: ImplicitModel, equations: Linearised, factors: _Factors, leaving: int) -> int:
     """Count the `leaving` motions that only facets make unstable, such as round bodies rolling between smooth plates.
 
     A motion u is neutral if its stiffness is small compared with the stiffness of forces that turn with it,
     sum(p) |u|^2 / L, L the size of what moves, |u|^2 the mean over its nodes.
     """
     assert model.contact is not None
-    soft, shape = _softest(equations, leaving)
+    soft, shape = _softest(equations, factors, leaving)
     moved = np.zeros((model.reference.size, len(soft)))
     moved[equations.free] = np.abs(shape)
     square = (moved.reshape(-1, 2, len(soft)) ** 2).sum(axis=1)
@@ -99,69 +128,44 @@ def _neutral_motions(model: ImplicitModel, equations: Linearised, leaving: int) 
     return int(np.count_nonzero((soft.real < 0.0) & (-NEUTRAL * turning * soft.real > 1.0)))
 
 
-def _softest(equations: Linearised, number: int) -> tuple[Any, Any]:
+def _softest(equations: Linearised, factors: _Factors, number: int) -> tuple[Any, Any]:
     """Softness (m,) [mm/N] of the softest motions of free degrees of freedom, and these motions (n, m), both complex.
 
-    Found by inverse iteration on a subspace of a few motions more than the `number` sought; none of a singular matrix.
+    Found by Arnoldi's method (Lehoucq, Sorensen & Yang 1998), with a few motions more than the `number` sought.
     """
     free = int(np.count_nonzero(equations.free))
+    right = np.zeros(equations.matrix.shape[0])
+
+    def moved(force: Floats) -> Floats:
+        right[:free] = force.ravel()
+        return factors.solve(right)[:free]
+
+    if free < max(DENSE, number + SPARE + 2):
+        return tuple(np.linalg.eig(np.stack([moved(force) for force in np.eye(free)], axis=1)))
+    start = np.random.default_rng(0).standard_normal(free)
     try:
-        factors = splu(csc_array(equations.matrix))
-    except RuntimeError:
-        return np.zeros(0), np.zeros((free, 0))
-    basis = np.random.default_rng(0).standard_normal((free, min(free, number + SPARE)))
-    right = np.zeros((equations.matrix.shape[0], basis.shape[1]))
-    for _ in range(ITERATIONS):
-        right[:free] = np.linalg.qr(basis)[0]
-        basis = factors.solve(right)[:free]
-    soft, shape = np.linalg.eig(right[:free].T @ basis)
-    return soft, right[:free] @ shape
+        flexibility = LinearOperator((free, free), matvec=moved, dtype=np.float64)
+        return tuple(eigs(flexibility, number + SPARE, v0=start, tol=ACCURATE))
+    except ArpackNoConvergence as error:
+        return error.eigenvalues, error.eigenvectors
 
 
-def _negative_directions(equations: Linearised) -> int:
+def _negative_directions(equations: Linearised, factors: _Factors) -> int:
     """Negative pivots beyond the conditions; by their parity if rows were exchanged, as in a matrix without symmetry.
 
     Where the parity is even those that leave are counted among the softest motions.
     """
-    matrix, conditions = _scaled(equations.matrix), len(equations.conditions)
-    pivots = _pivots(matrix)
-    if pivots is None:
-        return 0
-    if pivots.in_place and abs(matrix - matrix.T).max() <= SYMMETRIC:
-        return max(0, pivots.negative - conditions)
-    if (pivots.odd + conditions) % 2:
+    lu, matrix, conditions = factors.lu, factors.matrix, len(equations.conditions)
+    negative = int(np.count_nonzero(lu.U.diagonal() < 0.0))
+    # rows exchanged as columns were: signs of pivots are those of eigenvalues
+    if np.array_equal(lu.perm_r, lu.perm_c) and abs(matrix - matrix.T).max() <= SYMMETRIC:
+        return max(0, negative - conditions)
+    if (negative + _parity(lu.perm_r) + _parity(lu.perm_c) + conditions) % 2:
         return 1
-    soft, _ = _softest(equations, EVEN)
+    soft, _ = _softest(equations, factors, EVEN)
     stiffest = np.abs(equations.matrix.diagonal()[: int(np.count_nonzero(equations.free))]).max(initial=1e-300)
     leaves = (soft.real * stiffest < -HARD) & (np.abs(soft.imag) < REAL * np.abs(soft))
     return int(np.count_nonzero(leaves))
-
-
-class _Pivots(NamedTuple):
-    """Signs of the pivots of a matrix.
-
-    negative  number of negative ones
-    odd       1 if the determinant is negative, 0 if it is positive
-    in_place  whether rows were exchanged as columns were, so that signs are those of eigenvalues if it is symmetric
-    """
-
-    negative: int
-    odd: int
-    in_place: bool
-
-
-def _pivots(matrix: Any) -> _Pivots | None:
-    """Factorise a matrix whose entries are of size 1; None if it is singular."""
-    try:
-        factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=1e-3, options={"SymmetricMode": True})
-    except RuntimeError:
-        return None
-    pivots = factors.U.diagonal()
-    if (np.abs(pivots) <= SINGULAR).any():
-        return None
-    negative = int(np.count_nonzero(pivots < 0.0))
-    odd = (negative + _parity(factors.perm_r) + _parity(factors.perm_c)) % 2
-    return _Pivots(negative, odd, np.array_equal(factors.perm_r, factors.perm_c))
 
 
 def linearised(model: ImplicitModel, normals_turn: bool = True) -> Linearised:
@@ -207,14 +211,13 @@ def _softness(model: ImplicitModel) -> Floats:
     return np.asarray(np.divide(by_force, by_gap, out=np.zeros_like(by_gap), where=softens))
 
 
-def _scaled(matrix: Any) -> Any:
-    """Scale rows and columns alike, so that the diagonal is 1, or where it is 0 the largest entry: no sign changes."""
+def _scaled(matrix: Any) -> tuple[Any, Floats]:
+    """Scale rows and columns alike, so that the diagonal is 1, or where it is 0 the largest entry; return the scale."""
     diagonal = np.abs(matrix.diagonal())
-    size = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
-    matrix = diags_array(1.0 / size) @ matrix @ diags_array(1.0 / size)
-    largest = abs(matrix).max(axis=0).toarray().ravel()
-    size = np.where((diagonal == 0.0) & (largest > 0.0), largest, 1.0)
-    return csc_array(diags_array(1.0 / size) @ matrix @ diags_array(1.0 / size))
+    first = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+    largest = abs(diags_array(first) @ matrix @ diags_array(first)).max(axis=0).toarray().ravel()
+    scale = first / np.where((diagonal == 0.0) & (largest > 0.0), largest, 1.0)
+    return csc_array(diags_array(scale) @ matrix @ diags_array(scale)), scale
 
 
 def _parity(order: Ints) -> int:
