@@ -141,13 +141,15 @@ def _softest(equations: Linearised, factors: _Factors, number: int) -> tuple[Any
         return factors.solve(right)[:free]
 
     if free < max(DENSE, number + SPARE + 2):
-        return tuple(np.linalg.eig(np.stack([moved(force) for force in np.eye(free)], axis=1)))
+        soft, shape = np.linalg.eig(np.stack([moved(force) for force in np.eye(free)], axis=1))
+        return soft, shape
     start = np.random.default_rng(0).standard_normal(free)
     try:
         flexibility = LinearOperator((free, free), matvec=moved, dtype=np.float64)
-        return tuple(eigs(flexibility, number + SPARE, v0=start, tol=ACCURATE))
+        soft, shape = eigs(flexibility, number + SPARE, v0=start, tol=ACCURATE)
     except ArpackNoConvergence as error:
-        return error.eigenvalues, error.eigenvectors
+        soft, shape = error.eigenvalues, error.eigenvectors
+    return soft, shape
 
 
 def _negative_directions(equations: Linearised, factors: _Factors) -> int:
