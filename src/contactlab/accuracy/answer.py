@@ -10,7 +10,7 @@ from typing import Any, Literal
 from contactlab.accuracy.configuration import Configuration
 from contactlab.accuracy.judged import ForcesJudged
 from contactlab.accuracy.remaining import Truth
-from contactlab.accuracy.trials import EQUAL, Place, Trials
+from contactlab.accuracy.trials import EQUAL, FINER, Place, Trials
 from contactlab.parts.registry import split_spec
 from contactlab.studies.profile import Profile
 
@@ -117,6 +117,15 @@ def _best_known(trials: Trials, finished: Sequence[Place], truth: Truth | None) 
     return min(exact, key=trials.cost) if exact else min(alike, key=lambda place: _off_by_force(trials, place))
 
 
+def _remedy(trials: Trials, truth: Truth) -> str:
+    """A way to a pressure that is better known."""
+    if trials.pressed() and any(map(highest_at_an_end, truth.value.values())):
+        return "a pressure has no limit below a sharp edge: round it"
+    if truth.level >= FINER[-1]:
+        return "cells are too large for it on the finest mesh that is tried: write smaller ones where it acts"
+    return "a longer --search may help"
+
+
 def highest_at_an_end(pressure: Profile) -> bool:
     """Return whether a pressure is highest where contact ends, as below a sharp edge."""
     x = pressure.x[pressure.value > 0.0]
@@ -159,8 +168,7 @@ def _why_not(trials: Trials, place: Place, met: Sequence[Place], truth: Truth | 
         forces = f"its forces differ by {100.0 * _off_by_force(trials, place):.2g} % from those of the finest run"
         if truth.uncertainty >= trials.wish.error:
             text += f"; pressures do not tell runs apart: the cheapest whose forces are right to {asked} is taken"
-            edge = trials.pressed() and any(map(highest_at_an_end, truth.value.values()))
-            text += "; a pressure has no limit below a sharp edge: round it" if edge else "; a longer --search may help"
+            text += f"; {_remedy(trials, truth)}"
         text += f"; {forces}"
     used = "stopped early" if trials.stopped else f"{trials.spent:.3g} of {trials.wish.search:g} CPU s used"
     return f"the best I can say: {text} ({used})"

@@ -19,7 +19,7 @@ from contactlab.accuracy.configuration import (
     possible,
 )
 from contactlab.accuracy.remaining import Truth, beside, ranked
-from contactlab.accuracy.trials import EQUAL, GROWTH, Place, Plan, Said, Trials, Wish
+from contactlab.accuracy.trials import EQUAL, FINER, GROWTH, Place, Plan, Said, Trials, Wish
 from contactlab.errors import RequestError
 from contactlab.parts.registry import Registry
 from contactlab.run.attempts import first_that_fits
@@ -29,8 +29,6 @@ __all__ = ["Chosen", "Wish", "choose_plan"]
 
 LEVELS = (1, 2, 3, 4, 6, 8)
 """Levels that are chosen from."""
-FINER = (2, 3, 4, 6, 8, 12, 16)
-"""Levels of the runs that errors are measured against."""
 CLEAR = 6.0
 """Times that the error asked for exceeds the uncertainty of what it is measured against, while there is time.
 

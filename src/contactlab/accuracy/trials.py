@@ -23,6 +23,8 @@ from contactlab.scene.scene import Scene
 from contactlab.studies.find_reference import matching_reference
 from contactlab.studies.finest import with_multipliers
 
+FINER = (2, 3, 4, 6, 8, 12, 16)
+"""Levels of the runs that errors are measured against."""
 LIMIT = 10**6
 """Level beyond all that are tried."""
 GROWTH = (1.0, 2.2, 3.5)

@@ -173,6 +173,7 @@ def test_where_no_mesh_settles_the_pressure_forces_choose() -> None:
     assert "forces" in found.why
     assert "--search" in found.why
     assert "edge" not in found.why
+    assert "smaller" in chosen(singular, 0.02, search=1e4).why  # the finest meshes have been tried
 
 
 def test_a_pressure_that_is_highest_where_contact_ends_is_one_of_an_edge() -> None:
