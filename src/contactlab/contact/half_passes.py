@@ -25,7 +25,7 @@ from contactlab.api import (
 )
 from contactlab.api.arrays import Flags
 from contactlab.contact.explicit_system import slips
-from contactlab.contact.implicit_system import ImplicitContactSystem
+from contactlab.contact.implicit_pressure import ImplicitPressureSystem
 from contactlab.contact.linearisation import PairLinearisation
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair
@@ -94,7 +94,7 @@ class HalfPassResponse(PressureResponse):
         out.by_force[1] += out.by_gap[1] * softness
 
 
-class HalfPassSystem(ImplicitContactSystem):
+class HalfPassSystem(ImplicitPressureSystem):
     """Pairs with some half passes: both passes book friction, half each."""
 
     def directions(self, chosen: Ints) -> tuple[Any, Any]:

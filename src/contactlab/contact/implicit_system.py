@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from functools import reduce
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, ClassVar
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -22,11 +22,6 @@ from contactlab.contact.passage import first_passage
 from contactlab.implicit.sparse import stacked, total
 from contactlab.kernels.contact.coupling import Coupling
 
-if TYPE_CHECKING:
-    from contactlab.contact.potential_pair import PotentialPair
-    from contactlab.contact.pressure_response import PressureStore
-    from contactlab.contact.step_rows import StepRows
-
 SETTLED = 1e-5  # of the largest bound: tolerance of bounds that follow slips
 
 StepCall = Callable[[float, float], None]
@@ -38,7 +33,7 @@ class ImplicitContactSystem:
     passes        all pairs, an `OperatorPair` for each mortar; `pairs` are in reports (see `ContactPair.second`)
     consistent    True if normal forces act along the derivatives of the gaps
     whole_steps   True if they do so in dynamic steps, which hold gaps by rows that belong to the whole step
-    potentials    pairs whose forces come from an energy; `linear` are the others, which set constraints
+    linear        pairs that set constraints: all whose forces do not come from an energy
     multipliers   (r, k) [N] of the state, changed in place: the same array as `conditions.force` and
                   `Trial.multipliers`. `evaluate` clears slots without a constraint, `LineSearch` adds corrections;
                   rarely, starts of an iteration, friction without a bound yet, and impulses at the end of a step
@@ -64,10 +59,6 @@ class ImplicitContactSystem:
         self.enforcement, self.state, self.time = enforcement, state, time
         self.friction = any(pair.friction is not None for pair in pairs)
         nodes = len(state["displacement"])
-        self.potentials = cast("tuple[PotentialPair, ...]", tuple(pair for pair in pairs if pair.by_energy))
-        for pair in self.potentials:
-            if pair.friction is not None:
-                pair.kept = state[f"friction.{pair.name}"]
         # in statics nothing has to match the start of a step
         self.consistent, self.whole_steps = consistent, consistent and "velocity" in state
         self.linear = tuple(
@@ -83,14 +74,12 @@ class ImplicitContactSystem:
         self.rows = Rows.allocate(self.multipliers.shape[1], 32, self.friction)
         self.factored = None  # constraints are never written as `FactoredRows`
         self.seconds = 0.0
-        self.store: PressureStore | None = None  # of a normal law
         self.varying = varying(pairs, state)
 
     @property
     def stored_since_start(self) -> float:
         """Energy [mJ] stored in surfaces beyond their energy at the start; zero without normal law and potential."""
-        held = self.store.since_start() if self.store is not None else 0.0
-        return held + sum(pair.stored_since_start() for pair in self.potentials)
+        return 0.0
 
     def calls_per_step(self) -> Counter[str]:
         """Return how many calls of each method of the algorithms an iteration makes."""
@@ -111,18 +100,9 @@ class ImplicitContactSystem:
         for linear in self.linear:
             linear.memory[:] = linear.pair.memory_in(self.state)
             linear.pair.evaluated = False
-        for potential in self.potentials:
-            potential.begin_step(position, (time - self.state.time) / self.tenth)
-            # forces that the last step wrote for reports belong to no constraint
-            self.multipliers[:, potential.own] = 0.0
         for _, sliding in self.varying:
             sliding.begin_step(time, time - self.state.time)
-        if self.store is not None and self.store.memory is not None:
-            self.store.memory.begin_step(time, time - self.state.time)
         self._release(time)
-        if self.store is not None and self.store.follows_steps:
-            self._evaluate_start(time)
-            self.store.start[:] = np.where(self.conditions.present, self.conditions.gap, np.inf)
         middle = position
         if self.whole_steps:
             middle = position + 0.5 * (time - self.state.time) * self.state["velocity"]
@@ -166,10 +146,6 @@ class ImplicitContactSystem:
             linear.pair.memory_in(self.state)[:] = linear.memory
             linear.pair.evaluated = True
             linear.accept()
-        for potential in self.potentials:
-            potential.accept(self.multipliers)
-        if self.store is not None:
-            self.store.accept(self.conditions)
         for pair, sliding in self.varying:
             sliding.accept(pair.cover, self.conditions.slip[pair.own], self.multipliers[0, pair.own], pair.idle)
         for coupling, freedom in self._couplings():
@@ -210,8 +186,6 @@ class ImplicitContactSystem:
                 c.slip[own] = linear.slip if pair.friction is not None else 0.0
             if pair.sliding is not None:
                 self._write_bounds(pair)
-        for pair in self.potentials:
-            pair.evaluate(position)
         self.multipliers[:, ~c.present] = 0.0
         self.seconds += perf_counter() - began
 
@@ -225,15 +199,14 @@ class ImplicitContactSystem:
         """Compute nodal forces of the trial multipliers; see `contactlab.api.ImplicitContact`."""
         normal[:] = 0.0
         tangential[:] = 0.0
-        for pair in self.potentials:
-            pair.add_forces(normal, tangential)
+        self._add_forces(normal, tangential)
+
+    def _add_forces(self, normal: Floats, tangential: Floats) -> None:
         for linear in self.linear:
             linear.add_forces(self.multipliers, normal, tangential)
 
-    @property
-    def by_energy(self) -> bool:
-        """True if some forces come from potentials; see `contactlab.api.ImplicitContact`."""
-        return bool(self.potentials)
+    by_energy: ClassVar[bool] = False
+    """True if some forces come from potentials; see `contactlab.api.ImplicitContact`."""
 
     @property
     def acts(self) -> bool:
@@ -243,16 +216,11 @@ class ImplicitContactSystem:
     def free_share(self, position: Floats, motion: Floats, depth: float) -> float:
         """Return the share of a motion without passage of surfaces; see `contactlab.api.ImplicitContact`."""
         passage = first_passage((linear.pair for linear in self.linear), position, position + motion, depth)
-        allowed = (pair.free_share(position, motion) for pair in self.potentials)
-        return min(1.0 if passage is None else passage.share, *allowed, 1.0)
+        return min(1.0 if passage is None else passage.share, 1.0)
 
     def settled(self) -> bool:
         """True if friction belongs to the end of the step; see `contactlab.api.ImplicitContact`."""
-        taken = sum(pair.take_over() for pair in self.potentials)
-        return self._bounds_follow() and taken == 0
-
-    def _bounds_follow(self) -> bool:
-        """True if bounds that vary fit the slips of this step; otherwise, update them."""
+        # bounds that vary fit the slips of this step, or are updated
         c, follow = self.conditions, True
         for pair, sliding in self.varying:
             slip, force = c.slip[pair.own], self.multipliers[:, pair.own]
@@ -264,14 +232,14 @@ class ImplicitContactSystem:
 
     def dissipation(self) -> float:
         """Return the energy [mJ] dissipated by friction in the step; see `contactlab.api.ImplicitContact`."""
-        return self._rubbed(self.multipliers[-1]) + sum(pair.dissipation() for pair in self.potentials)
+        return self._rubbed(self.multipliers[-1])
 
     def _rubbed(self, shear: Floats) -> float:
         """Return the energy [mJ] that tangential forces (k,) [N] dissipate over the slips; two passes count half."""
         if not self.friction:
             return 0.0
         work = np.where(self.conditions.present, shear * self.conditions.slip, 0.0)
-        return -sum(pair.share * float(work[pair.own].sum()) for pair in self.passes)
+        return 0.0 - sum(pair.share * float(work[pair.own].sum()) for pair in self.passes)
 
     def friction_along_the_way(self) -> tuple[float, float]:
         """Return friction energy [mJ] of a load step, and its excess over the work of the mean of both ends' forces.
@@ -279,9 +247,8 @@ class ImplicitContactSystem:
         Surfaces that begin to slide or reverse within the step slide at the bound from there on: at the lower bound of
         both ends, or at the initial force if it lies between the bounds.
         """
-        potentials = sum(pair.dissipation() for pair in self.potentials)
         if not self.friction:
-            return potentials, 0.0
+            return 0.0, 0.0
         c, y, (normal, shear) = self.conditions, self.multipliers, self.started
         bound, measure = FrictionBound(*c.bound), np.where(c.present, c.measure, 0.0)
         bounds = np.stack([bound.limits(force, measure)[0] for force in (normal, y[0])])
@@ -290,7 +257,7 @@ class ImplicitContactSystem:
         way = -np.sign(c.slip)
         start = np.where(slides, way * np.clip(way * shear, bounds.min(axis=0), bounds.max(axis=0)), shear)
         taken = self._rubbed(0.5 * (start + y[1]))
-        return taken + potentials, taken - self._rubbed(0.5 * (shear + y[1]))
+        return taken, taken - self._rubbed(0.5 * (shear + y[1]))
 
     def scale(self, flexibility: Floats) -> None:
         """Set nodal flexibilities, which determine contact stiffnesses."""
@@ -309,8 +276,6 @@ class ImplicitContactSystem:
             none = csr_array((0, size))
             parts = [ContactDerivatives(none, None, none, None, csr_array((size, size)))]
         change = reduce(total, [part.force for part in parts])
-        for potential in self.potentials:
-            change = change + potential.force_derivative(size)
         normal, gap = stacked([p.normal for p in parts]), stacked([p.gap for p in parts])
         tangent = slip = None
         if self.friction:
@@ -324,7 +289,7 @@ class ImplicitContactSystem:
         if not self.whole_steps:
             found = self.linearise(chosen)
             return found.normal, found.tangent
-        stepped = ((rows, _within(rows.pair.own, chosen)) for rows in cast("tuple[StepRows, ...]", self.linear))
+        stepped = ((rows, _within(rows.pair.own, chosen)) for rows in self.linear)
         normal, tangent = zip(*(rows.directions(within) for rows, within in stepped if len(within)), strict=True)
         across = [n * 0.0 if t is None else t for n, t in zip(normal, tangent, strict=True)]
         return stacked(normal), stacked(across) if self.friction else None

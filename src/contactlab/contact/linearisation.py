@@ -83,6 +83,10 @@ class Linearisation(ABC):
     def tangents(self, chosen: Ints) -> Any:
         """Return friction directions (c, 2N) of the chosen multipliers."""
 
+    def directions(self, chosen: Ints) -> tuple[Any, Any]:
+        """Return rows (c, 2N) of the chosen multipliers at the end of a whole step, normal and tangential."""
+        raise NotImplementedError(f"{type(self).__name__} has no rows of whole steps")
+
 
 def linearised(pair: ContactPair, nodes: int, consistent: bool = False, whole_steps: bool = False) -> Linearisation:
     """Return the linearisation of a pair at trial positions, in a model of `nodes` nodes.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -34,9 +34,6 @@ from contactlab.errors import SceneError, Where
 from contactlab.model.bodies.body import Body, BodyForces
 from contactlab.model.contact.checks import refuse_held_slave
 from contactlab.model.contact.initial_gap import facet_overlap, ramped_overlap, refuse_overlap
-
-if TYPE_CHECKING:
-    from contactlab.contact.implicit_system import ImplicitContactSystem
 
 
 @dataclass(frozen=True)
@@ -197,6 +194,10 @@ def build_contact(plans: tuple[ContactPlan, ...], around: Around) -> Any:
     if isinstance(enforcement, NormalLaw):
         return _pressure_system(plans, tuple(pairs), enforcement, around, time)
     consistent = consistent_forces(enforcement, motion="velocity" in state, smooth=any(plan.smooth for plan in plans))
+    if any(pair.by_energy for pair in pairs):
+        from contactlab.contact.potential_system import PotentialSystem
+
+        return PotentialSystem(tuple(pairs), enforcement, state, time, consistent)
     if not explicit:
         from contactlab.contact.implicit_system import ImplicitContactSystem
 
@@ -271,25 +272,20 @@ def _pressure_system(
         from contactlab.contact.pressure_system import PressureContactSystem
 
         return PressureContactSystem(pairs, store, state, densities)
-    system: ImplicitContactSystem
     if half:
         from contactlab.contact.half_passes import HalfPassResponse, HalfPassSystem
 
-        system = HalfPassSystem(pairs, HalfPassResponse(law, store.stiffness, pairs), state, time, consistent=False)
-    else:
-        from contactlab.contact.implicit_system import ImplicitContactSystem
-        from contactlab.contact.pressure_response import MeanPressureResponse, PressureResponse
+        return HalfPassSystem(pairs, HalfPassResponse(law, store.stiffness, pairs), store, state, time)
+    from contactlab.contact.implicit_pressure import ImplicitPressureSystem
+    from contactlab.contact.pressure_response import MeanPressureResponse, PressureResponse
 
-        moves = "velocity" in state and not any(plan.smooth for plan in plans)
-        response = (
-            MeanPressureResponse(law, store.stiffness, store.start, memory)
-            if moves
-            else PressureResponse(law, store.stiffness, memory)
-        )
-        system = ImplicitContactSystem(pairs, response, state, time, consistent=False)
-        store.follows_steps = moves
-    system.store = store
-    return system
+    store.follows_steps = "velocity" in state and not any(plan.smooth for plan in plans)
+    response = (
+        MeanPressureResponse(law, store.stiffness, store.start, memory)
+        if store.follows_steps
+        else PressureResponse(law, store.stiffness, memory)
+    )
+    return ImplicitPressureSystem(pairs, response, store, state, time)
 
 
 def _traction_system(

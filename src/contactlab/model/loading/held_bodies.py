@@ -14,7 +14,7 @@ from contactlab.model.loading.supports import Prescribed, SupportPlan
 from contactlab.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from contactlab.contact.potential_pair import PotentialPair
+    from contactlab.contact.pair import ContactPair
     from contactlab.model.implicit_model import ImplicitModel
 
 RANK = 1e-6  # of the largest resistance: motions with less are free
@@ -99,7 +99,9 @@ def _loose(
         rows.append(along @ modes)
         if friction and across is not None and sticks is not None:
             rows.append((across @ modes)[np.searchsorted(np.flatnonzero(closed), sticks)])
-        rows += [row @ modes for pair in model.contact.potentials for row in _held_by(pair, model, friction, pressed)]
+        for pair in model.contact.passes:
+            if pair.by_energy:
+                rows += [row @ modes for row in _held_by(pair, model, friction, pressed)]
     _, sizes, directions = np.linalg.svd(np.concatenate(rows))
     return modes, directions[int((sizes > least * max(1.0, sizes.max(initial=0.0))).sum()) :]
 
@@ -143,7 +145,7 @@ def unbalanced(model: ImplicitModel, time: float) -> list[str]:
     from scipy.optimize import nnls
 
     contact, bodies = model.contact, [body for body in _unheld(model) if len(free_motions(body, model.prescribed)) == 3]
-    if contact is None or contact.potentials or not bodies:
+    if contact is None or contact.by_energy or not bodies:
         return []
     modes = _modes(model, bodies)
     force = np.zeros_like(model.reference)
@@ -174,10 +176,13 @@ def _unheld(model: ImplicitModel) -> list[Body]:
     return [body for body in model.bodies if free_motions(body, model.prescribed)]
 
 
-def _held_by(pair: PotentialPair, model: ImplicitModel, friction: bool, pressed: bool) -> Iterator[Any]:
+def _held_by(pair: ContactPair, model: ImplicitModel, friction: bool, pressed: bool) -> Iterator[Any]:
     """Yield derivatives (k, 2 N) of gaps, and of slips that friction holds, of the closed nodes of a potential."""
     from scipy.sparse import coo_array
 
+    from contactlab.contact.gap_pair import GapPair
+
+    assert isinstance(pair, GapPair)
     pair.update(model.position, np.zeros((0, len(pair.slave.nodes))))
     found, force = pair.found, model.state["multipliers"][0, pair.own]
     assert found is not None  # of the update
