@@ -12,6 +12,7 @@ from contactlab.commands.many import interrupted
 from contactlab.errors import RequestError, SceneError, did_you_mean, visible
 from contactlab.parts.registry import Registry
 from contactlab.run.folders import results_folder
+from contactlab.studies.study import parse_vary
 from contactlab.studies.table import Table
 
 
@@ -43,7 +44,6 @@ def _compare_scene(options: argparse.Namespace) -> int:
     """Compare the runs of one scene."""
     from contactlab.comparison import compare as run_all
     from contactlab.reports.table import failed_alike, failure
-    from contactlab.studies.study import parse_vary
 
     registry = registry_with(options.files)
     vary = parse_vary(options.vary) if options.vary else None

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
-from contactlab.errors import RequestError
+from contactlab.errors import ContactlabError, RequestError
 
 
 def completion(options: argparse.Namespace) -> int:
@@ -95,7 +95,6 @@ def reference_names(prefix: str, **_: Any) -> list[str]:
 
 def settings(prefix: str, parsed_args: argparse.Namespace, **_: Any) -> list[str]:
     """Keys of the scene that was typed before, and behind the sign the parts that fit there."""
-    from contactlab.errors import ContactlabError
     from contactlab.scene.scene import Scene, load_scene
 
     key, sign, _value = prefix.partition("=")

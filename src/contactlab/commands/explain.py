@@ -11,11 +11,15 @@ from functools import partial
 from typing import Any
 
 from contactlab.commands.common import console, number, parse_settings, print_json, registry_with
-from contactlab.commands.effect_costs import EffectPrice
+from contactlab.commands.effect_costs import EffectPrice, effect_costs
 from contactlab.explanation.estimate import Estimate
 from contactlab.explanation.explain import Explanation, Overview
+from contactlab.explanation.explain import explain as explanation_of
+from contactlab.explanation.kept import kept, trials, tried
 from contactlab.reports.sheet import Column, Sheet, facts
+from contactlab.run.attempts import first_that_fits
 from contactlab.scene.scene import load_scene
+from contactlab.studies.removable import variants
 
 NOTHING = 0.005  # of the cost of a run: a cost that is printed as 0
 SHORTENED = 0.9  # of the stable step of the bodies: usual steps are as long, and effects make them shorter
@@ -24,11 +28,6 @@ KEY = re.compile(r"(?P<table>[a-z]+)\.(?P<name>[\w-]+)(\.(?P<rest>[\w.]+))?")
 
 def explain(options: argparse.Namespace) -> int:
     """Print the explanation of the scene; but for a trial, which is kept, nothing is run."""
-    from contactlab.commands.effect_costs import effect_costs
-    from contactlab.explanation.explain import explain as explanation_of
-    from contactlab.explanation.kept import kept, trials, tried
-    from contactlab.run.attempts import first_that_fits
-    from contactlab.studies.removable import variants
 
     registry = registry_with(options.files)
     scene = load_scene(options.scene, registry, parse_settings(options.settings))

@@ -16,8 +16,10 @@ from contactlab.explanation.trial_run import KernelCalls, PartCost, TrialRun
 from contactlab.model.build import build
 from contactlab.model.held_arrays import HeldArray, held_arrays
 from contactlab.model.model import Model
+from contactlab.parts.provenance import part_specs
 from contactlab.parts.registry import Registry
 from contactlab.run.attempts import Attempts
+from contactlab.run.prepare import schedule_of
 from contactlab.scene.scene import Scene
 from contactlab.views import view
 
@@ -106,8 +108,6 @@ def explain(
     parts, and arrays are those before the first step.
     """
     model = build(scene, registry)
-    from contactlab.run.prepare import schedule_of
-
     schedule = schedule_of(model, scene)
     steps = schedule.estimated_steps()
     bound = model.bound_integrator().advance
@@ -191,8 +191,6 @@ def _order(scene: Scene, attempts: Attempts) -> str:
 
 def used_parts(scene: Scene, registry: Registry) -> list[UsedPart]:
     """The scene's parts, and what its integrator adds where the scene names nothing."""
-    from contactlab.parts.provenance import part_specs
-
     specs = list(part_specs(scene))
     own = registry.part_class("integrator", scene.integrator["use"]).default_enforcement
     for number, contact in enumerate(scene.contacts):
@@ -228,7 +226,5 @@ def _body_calls(model: Model) -> dict[str, int]:
 
 def packages_of(scene: Scene, registry: Registry) -> list[str]:
     """Import packages of the plugins that the scene uses, in addition to the core."""
-    from contactlab.parts.provenance import part_specs
-
     targets = {registry.offer(kind, name).part.target for _, kind, name in part_specs(scene)}
     return sorted({target.partition(":")[0].partition(".")[0] for target in targets} | {"numba", "numpy"})

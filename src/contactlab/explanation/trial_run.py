@@ -24,8 +24,9 @@ from tempfile import TemporaryDirectory
 from time import perf_counter, process_time, thread_time
 from typing import Any, NamedTuple
 
+from contactlab.api.compiled.compiler import COMPILATION
 from contactlab.errors import SimulationFailure
-from contactlab.model.held_arrays import HeldArray
+from contactlab.model.held_arrays import HeldArray, held_arrays
 from contactlab.scene.scene import Scene
 
 STEPS = 40  # after the first; enough to measure the cost of a step
@@ -109,8 +110,6 @@ class TrialRun:
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> TrialRun:
         """Make a trial of its plain tables."""
-        from contactlab.model.held_arrays import HeldArray
-
         found = dict(data)
         for name, row in (("kernels", KernelCalls), ("costs", PartCost), ("arrays", HeldArray)):
             found[name] = [row(*values) for values in found[name]]
@@ -150,7 +149,6 @@ def _begin_of(scene: Scene, share: float, step_s: float) -> Begin:
 
     Memory is measured in the first steps: recorders keep theirs, and two runs of a process need more than one.
     """
-    from contactlab.api.compiled.compiler import COMPILATION
     from contactlab.results.peak_memory import peak_memory_mib
     from contactlab.run.interruption import Interrupted
     from contactlab.run.simulation import simulate
@@ -201,9 +199,7 @@ def _trial_of(load: Callable[[], Any]) -> TrialRun:
     began = perf_counter()
     kernels = count_kernel_calls()
     scene = load()
-    from contactlab.api.compiled.compiler import COMPILATION
     from contactlab.model.build import build
-    from contactlab.model.held_arrays import held_arrays
     from contactlab.run.prepare import prepare_run
     from contactlab.run.recorders import record_stored
     from contactlab.run.simulation import steps

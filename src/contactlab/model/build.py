@@ -15,12 +15,14 @@ from contactlab.model.bodies.body import NO_JOINTS, Body, BodyForces, Joints, Ri
 from contactlab.model.bodies.build_bodies import build_bodies, masses_of
 from contactlab.model.bodies.thread_blocks import in_order
 from contactlab.model.history import history_of
+from contactlab.model.loading.effect_rates import effect_rates
 from contactlab.model.loading.held_bodies import check_supported
 from contactlab.model.loading.load_profile import of_nodes
 from contactlab.model.loading.node_profiles import tell_unresolved
 from contactlab.model.loading.ramps import RampTime
 from contactlab.model.loading.supports import plan_supports
 from contactlab.model.model import ExplicitModel, Loading, Model
+from contactlab.model.momentum import mirrored_nodes
 from contactlab.model.sizes import check_meshed_size, check_sizes
 from contactlab.model.timing import Timing, find_timing
 from contactlab.parts.error_origin import part_errors
@@ -115,8 +117,6 @@ def _built(scene: Scene, registry: Registry) -> Model:
     model.start.mirror = _mirror(scene, bodies, reference)
     model.internal_force(0.0)
     if model.explicit and effects:
-        from contactlab.model.loading.effect_rates import effect_rates
-
         size, times = float(np.ptp(reference, axis=0).max()), (0.0, timing.last)
         rates = effect_rates(effects, state, mass, size, model.stable_step(), times)
         model.loading = replace(model.loading, rates=rates)
@@ -133,8 +133,6 @@ def _built(scene: Scene, registry: Registry) -> Model:
 def _mirror(scene: Scene, bodies: tuple[Body, ...], reference: Floats) -> Ints | None:
     if scene.symmetry is None:
         return None
-    from contactlab.model.momentum import mirrored_nodes
-
     return mirrored_nodes(reference, [slice(body.first, body.first + body.count) for body in bodies])
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
+from scipy.sparse import csc_matrix
 
 from contactlab.api import Conditions, Floats, FrictionBound, Iteration, PointContact, StepStatus, Surface
 from contactlab.api.frame import SLIP, STICK
@@ -332,7 +333,6 @@ def _unstable(model: Model, dt: float) -> str:
 
 def _negative(model: Model, first: int, count: int, dt: float) -> bool:
     """Return whether the stiffness of a body, with its supports, has a negative pivot."""
-    from scipy.sparse import csc_matrix
     from scipy.sparse.linalg import splu
 
     memory = model.state.snapshot()

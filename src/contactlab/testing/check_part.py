@@ -9,6 +9,7 @@ from typing import Any
 
 from contactlab.api import ContactMethod, Potential
 from contactlab.errors import PartError, SceneError, one_line
+from contactlab.parts.declared_values import declared
 from contactlab.testing.cost import Cost, costs
 from contactlab.testing.examples import refused
 from contactlab.testing.fields_in_use import unused_fields
@@ -135,8 +136,6 @@ FIRST = (keeps_the_contract, fields_are_used)
 
 def _tags(subject: Subject) -> dict[str, Any]:
     """Declarations of the class beyond data: its plain class attributes, by name."""
-    from contactlab.parts.declared_values import declared
-
     try:
         cls = subject.part_class
     except PartError:

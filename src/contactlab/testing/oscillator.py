@@ -19,6 +19,7 @@ from contactlab.api import (
     Step,
 )
 from contactlab.model.model import BoundIntegrator
+from contactlab.parts.registry import default_registry
 from contactlab.testing.floor import ExplicitFloor, ImplicitFloor, floor_shapes
 
 AnyIntegrator = ExplicitIntegrator | ImplicitIntegrator
@@ -102,8 +103,6 @@ class Oscillator:
         level = self.reference[:, 1] - clearance
         if isinstance(self.integrator, ExplicitIntegrator):
             return ExplicitFloor(level, friction, self.state)
-        from contactlab.parts.registry import default_registry
-
         enforcement = default_registry().make("enforcement", self.integrator.default_enforcement)
         return ImplicitFloor(level, friction, self.state, enforcement)
 

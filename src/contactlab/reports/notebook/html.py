@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from html import escape
 from typing import Any
 
+from contactlab.errors import ContactlabError
 from contactlab.reports.matrix_table import matrix_sheet
 from contactlab.reports.notebook.curves import curve_figure
 from contactlab.reports.notebook.pictures import field_figure
@@ -68,8 +69,6 @@ def matrix_html(matrix: Matrix) -> str:
 
 def _picture(draw: Callable[[], Any]) -> str:
     """A figure as an image, or the reason if it cannot be drawn."""
-    from contactlab.errors import ContactlabError
-
     try:
         data = base64.b64encode(draw()._repr_png_()).decode()
     except ContactlabError as error:

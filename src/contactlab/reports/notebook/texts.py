@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from contactlab.api.drawing.units import Units
+from contactlab.cases.verdict import WORST
 from contactlab.explanation.explain import Explanation
 from contactlab.reports.numbers import significant
 from contactlab.reports.run import vector
@@ -95,8 +96,6 @@ def table_text(table: Table) -> str:
 
 def matrix_text(matrix: Matrix) -> str:
     """Number of cells by verdict, and the worst cells."""
-    from contactlab.cases.verdict import WORST
-
     counts = ", ".join(f"{matrix.count(verdict)} {verdict}" for verdict in WORST if matrix.count(verdict))
     heads = ("case", "variant", "contact", "slave", "verdict")
     cells = matrix.worst_first
