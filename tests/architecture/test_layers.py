@@ -130,10 +130,11 @@ def test_there_is_no_import_cycle() -> None:
 
 
 def test_what_is_named_in_annotations_is_imported() -> None:
-    """Except what is optional: then the guard says so."""
+    """Except what is optional: then the guard says so. A trial run measures what all imports take."""
     guards = [
         node
-        for path in modules().values()
+        for module, path in modules().items()
+        if module != "explanation.trial_run"
         for node in ast.walk(tree_of(path))
         if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)
     ]

@@ -22,12 +22,13 @@ from itertools import islice
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter, process_time, thread_time
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from contactlab.api.compiled.compiler import COMPILATION
 from contactlab.errors import SimulationFailure
-from contactlab.model.held_arrays import HeldArray, held_arrays
-from contactlab.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from contactlab.model.held_arrays import HeldArray
+    from contactlab.scene.scene import Scene
 
 STEPS = 40  # after the first; enough to measure the cost of a step
 PATIENCE = 0.5  # seconds after which fewer must do
@@ -110,6 +111,8 @@ class TrialRun:
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> TrialRun:
         """Make a trial of its plain tables."""
+        from contactlab.model.held_arrays import HeldArray
+
         found = dict(data)
         for name, row in (("kernels", KernelCalls), ("costs", PartCost), ("arrays", HeldArray)):
             found[name] = [row(*values) for values in found[name]]
@@ -149,6 +152,7 @@ def _begin_of(scene: Scene, share: float, step_s: float) -> Begin:
 
     Memory is measured in the first steps: recorders keep theirs, and two runs of a process need more than one.
     """
+    from contactlab.api.compiled.compiler import COMPILATION
     from contactlab.results.peak_memory import peak_memory_mib
     from contactlab.run.interruption import Interrupted
     from contactlab.run.simulation import simulate
@@ -199,7 +203,9 @@ def _trial_of(load: Callable[[], Any]) -> TrialRun:
     began = perf_counter()
     kernels = count_kernel_calls()
     scene = load()
+    from contactlab.api.compiled.compiler import COMPILATION
     from contactlab.model.build import build
+    from contactlab.model.held_arrays import held_arrays
     from contactlab.run.prepare import prepare_run
     from contactlab.run.recorders import record_stored
     from contactlab.run.simulation import steps
