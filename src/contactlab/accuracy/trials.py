@@ -17,6 +17,7 @@ from contactlab.accuracy.remaining import Ladder, Truth, truth_of
 from contactlab.api import Job, Record
 from contactlab.cases.run_case import scene_of
 from contactlab.errors import ContactlabError
+from contactlab.jobs.perform import LEEWAY
 from contactlab.jobs.run import Run
 from contactlab.parts.registry import Registry
 from contactlab.scene.scene import Scene
@@ -115,7 +116,7 @@ class Trials:
         configuration, level = place
         name = f"{self.name(configuration)}, level {level}"
         expected = self.expected(*place)
-        left = max(self.wish.search - self.spent, 0.1)
+        left = max(self.wish.search - self.spent, 0.1) / LEEWAY  # a run is stopped after so many times its limit
         limit = min(limit, left, max(self.wish.budget, 2.0 * expected))
         try:
             changes = configuration.changes(self.scene.data, level)

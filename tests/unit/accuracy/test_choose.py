@@ -26,7 +26,7 @@ from contactlab.accuracy.judged import Judge, PressuresJudged, line_of, mean_pro
 from contactlab.accuracy.remaining import Ladder, left_at, truth_of
 from contactlab.api import ContactCurve, Job, Record
 from contactlab.cli import main
-from contactlab.jobs.perform import made
+from contactlab.jobs.perform import LEEWAY, made
 from contactlab.jobs.run import Run, here
 from contactlab.parts.registry import default_registry
 from contactlab.scene.scene import Scene, load_scene
@@ -121,6 +121,21 @@ def test_a_search_that_ends_early_promises_nothing_it_does_not_know() -> None:
         true, _ = world.error_and_cost(_name(SCENE.with_(dict(found.choice))), found.level)
         assert found.verdict == "cannot" or true <= 0.01
         assert found.choice["contacts.0.algorithm"] in default_registry().names("contact")
+
+
+def test_no_run_may_take_more_than_is_left_of_the_search() -> None:
+    spent = 0.0
+    world = World()
+
+    def make(run: Run) -> Record:
+        nonlocal spent
+        assert run.cpu_limit * LEEWAY <= 1.05 * max(30.0 - spent, 0.1)  # of two digits
+        found = world(run)
+        spent += found.summary["process_s"]
+        return found
+
+    chosen(make, 0.01, search=30.0)
+    assert spent > 15.0
 
 
 def test_elements_that_lock_alike_do_not_vouch_for_each_other() -> None:
