@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import contactlab
-from contactlab.implicit import motion
+from contactlab.implicit import load_step
 from contactlab.model.build import build
 from contactlab.results.results import Results
 from contactlab.scene.scene import Scene
@@ -38,7 +38,7 @@ def upset(**more: Any) -> Scene:
 
 def without(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> Results:
     with monkeypatch.context() as patch:
-        patch.setattr(motion, "FARTHEST", 0.0)
+        patch.setattr(load_step, "FARTHEST", 0.0)
         return contactlab.simulate(scene)
 
 
@@ -64,7 +64,7 @@ def test_a_loading_that_turns_round_is_not_followed(monkeypatch: pytest.MonkeyPa
     scene = upset()
     model = build(scene, scene.registry)
     step = model.bound_integrator().step
-    before = motion.Prediction(model, model.state)  # type: ignore[arg-type]
+    before = load_step.Prediction(model, model.state)  # type: ignore[arg-type]
     held = model.prescribed.dof
     ahead = model.prescribed.scale * model.prescribed.values(0.2)[model.prescribed.ramp]
     assert not before.start(0.1, ahead)  # nothing is known before the first step
@@ -86,7 +86,7 @@ def test_laws_without_history_start_from_where_they_are() -> None:
     scene = upset(**{"materials.m": law})
     model = build(scene, scene.registry)
     model.bound_integrator().step(0.1)
-    following = motion.Prediction(model, model.state)  # type: ignore[arg-type]
+    following = load_step.Prediction(model, model.state)  # type: ignore[arg-type]
     assert not following.start(0.1, 2.0 * model.state["displacement"].reshape(-1)[model.prescribed.dof])
 
 
