@@ -204,8 +204,11 @@ def assembled(view: PotentialView, nodes: Ints, block: Floats) -> Any:
     size = 2 * len(view.reference)
     dof = (2 * nodes[:, :, None] + np.arange(2)).reshape(-1, 8)
     place = np.repeat(dof, 8, axis=1).ravel(), np.tile(dof, 8).ravel()
+    found = coo_array((block.ravel(), place), shape=(size, size)).tocsr()
+    if max(side.edges.shape[1] for side in (view.slave, view.master)) == 2:
+        return found  # vertices are nodes
     by_node = kron(polygon(view), eye_array(2), "csr")
-    return by_node.T @ coo_array((block.ravel(), place), shape=(size, size)).tocsr() @ by_node
+    return by_node.T @ found @ by_node
 
 
 def nodal_forces(part: SegmentPotential, view: PotentialView, positions: Floats) -> Floats:
