@@ -16,6 +16,7 @@ from __future__ import annotations
 import argparse
 import math
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -80,30 +81,29 @@ def _all(judge: Trials, found: Chosen) -> Plan:
     scene, registry, chosen = judge.scene, judge.registry, found.configuration
     sides = exchangeable(scene.data)
 
-    def can(each: Configuration) -> Configuration | None:
-        return possible(each, scene, registry)
+    def can(wanted: Iterable[Configuration]) -> list[Configuration]:
+        return possible(wanted, scene, registry)
 
-    every = [
+    every = can(
         Configuration(algorithm, pattern, element, way)
         for algorithm in registry.names("contact")
         for pattern in ([(), sides] if sides else [()])
         for element in elements_for(scene, registry)
         for way in integrators_for(scene, registry)
-    ]
-    every = [*filter(None, map(can, every))]
+    )
     if chosen.steps:
         every += [replace(each, steps=chosen.steps) for each in every if judge.is_static(each)]
         judge.steps = 2 * chosen.steps
     alike = replace(chosen, steps=2 * chosen.steps)
     kinds = [replace(alike, element=e, smooth=s) for e in {chosen.element, "", "q2"} for s in {chosen.smooth, None}]
-    fine: list[Place] = [(each, n) for each in filter(None, (can(k) for k in kinds)) for n in (4, 8, 16)]
+    fine: list[Place] = [(each, n) for each in can(kinds) for n in (4, 8, 16)]
     yield from judge.run([(chosen, found.level)], 1.0)
     if judge.known is None:
         yield from judge.run(fine, 0.6)
     limit = (1.0 if found.verdict == "ok" else DEAREST) * max(found.cost_s, EQUAL)
     yield from judge.run([(each, 1) for each in every], 1.0, limit)
     if smooth := chosen.smooth or judge.facetted():
-        every += filter(None, (can(replace(each, smooth=smooth)) for each in every))
+        every += can([replace(each, smooth=smooth) for each in every])
     for level in LEVELS:
         cheap = [each for each in every if judge.expected(each, level) <= limit]
         yield from judge.run([(each, level) for each in cheap], 1.0, limit)

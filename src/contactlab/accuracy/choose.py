@@ -106,7 +106,8 @@ class _Search:
         elements = elements_for(self.scene, self.registry)
         kinds = [first]
         if smooth := trials.facetted():  # facets are deepest at this level
-            kinds += self._possible([replace(each, smooth=smooth) for each in finished])[:1]
+            curved = [replace(each, smooth=smooth) for each in finished]
+            kinds += possible(curved, self.scene, self.registry)[:1]
         others = [replace(kind, exchanged=p, element=e) for kind in kinds for e in elements for p in patterns]
         others = yield from self._coarse([each for each in others if each != first])
         rest = [replace(each, algorithm=one.algorithm) for one in finished[1:] for each in others]
@@ -127,13 +128,9 @@ class _Search:
 
     def _coarse(self, wanted: Sequence[Configuration]) -> Generator[Sequence[Any], Sequence[Any], list[Configuration]]:
         """Level 1 of these; those that finished."""
-        wanted = self._possible(wanted)
+        wanted = possible(wanted, self.scene, self.registry)
         yield from self.trials.run([(each, 1) for each in wanted], SURVEY, self._limit(1))
         return [each for each in wanted if self.trials.ladder(each)]
-
-    def _possible(self, wanted: Sequence[Configuration]) -> list[Configuration]:
-        found = [possible(each, self.scene, self.registry) for each in wanted]
-        return [each for each in found if each is not None]
 
     def _cheap(self, cost: float) -> bool:
         """Return whether less than half of the rest of the survey is enough for runs of this cost [CPU s]."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -69,11 +69,16 @@ def algorithms_for(scene: Scene, registry: Registry) -> list[str]:
     return sorted(tried, key=lambda name: (not kinds[name].passes_patch_test, name not in own, name))
 
 
-def possible(configuration: Configuration, scene: Scene, registry: Registry) -> Configuration | None:
-    """Return it with surfaces that it can have, or None if it has smooth ones that it cannot.
+def possible(wanted: Iterable[Configuration], scene: Scene, registry: Registry) -> list[Configuration]:
+    """Return configurations with surfaces that they can have, without those that have smooth ones and cannot.
 
     Algorithms that integrate over segments can, on edges of two nodes; the others do without if the scene is smooth.
     """
+    found = (_possible(each, scene, registry) for each in wanted)
+    return [each for each in found if each is not None]
+
+
+def _possible(configuration: Configuration, scene: Scene, registry: Registry) -> Configuration | None:
     own = {str(body["element"]["use"]) for body in scene.data["bodies"].values()}
     elements = {configuration.element} if configuration.element else own
     able = issubclass(registry.part_class("contact", configuration.algorithm), SegmentContact) and all(

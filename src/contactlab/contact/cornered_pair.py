@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api import ContactAlgorithm, Floats, FrictionLaw, Ints, Rows, Surface
-from contactlab.api.arrays import Flags
+from contactlab.api import Floats, Ints, Rows
 from contactlab.contact.corner_pair import CornerPair
 from contactlab.contact.corner_report import add
 from contactlab.contact.corners import Corners
@@ -23,18 +22,7 @@ class CorneredPair(OperatorPair):
 
     points: CornerPair
 
-    def __init__(
-        self,
-        name: str,
-        algorithm: ContactAlgorithm,
-        slave: Surface,
-        master: Surface,
-        reference: Floats,
-        first_slot: int,
-        friction: FrictionLaw | None,
-        fixed: Flags,
-    ) -> None:
-        super().__init__(name, algorithm, slave, master, reference, first_slot, friction, fixed)
+    def _prepare(self, reference: Floats) -> None:
         self.corners = Corners(self, np.zeros(0, np.int32))
 
     def hold(self, nodes: Ints, points: CornerPair) -> None:
@@ -47,7 +35,7 @@ class CorneredPair(OperatorPair):
         self.corners.update()
 
     def gaps_at(self, positions: Floats) -> Floats:
-        """Return gaps (k, 2) at `positions`, taken at corners as those of the last `update`."""
+        """Return gaps (k, 2) at `positions`, with the corners of the last `update`."""
         gaps = super().gaps_at(positions)
         self.corners.take(gaps)
         self.corners.lift(gaps)
@@ -55,7 +43,7 @@ class CorneredPair(OperatorPair):
 
     @property
     def takes_rows(self) -> bool:
-        """True if the slave touches corners whose constraints are those of nodes."""
+        """True if constraints of some nodes are taken at corners."""
         return bool(self.corners.moved)
 
     def take_rows(self, rows: Rows, first: int, entries: int) -> int:

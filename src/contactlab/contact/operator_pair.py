@@ -88,6 +88,10 @@ class OperatorPair(ContactPair):
         self._derivatives: PieceDerivatives | None = None
         self._differences: Callable[[Floats], PieceDerivatives] | None = None
         self._bind()
+        self._prepare(reference)
+
+    def _prepare(self, reference: Floats) -> None:
+        """Make what kinds of pairs have of their own, from positions before the run."""
 
     def _bind(self) -> None:
         slave, at = self.slave, (*self.at, *self.measured, *self.before)

@@ -9,8 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from contactlab.api import ContactAlgorithm, ContactView, Floats, FrictionLaw, Ints, SegmentContact, Surface
-from contactlab.api.arrays import Flags
+from contactlab.api import ContactView, Floats, Ints, SegmentContact, Surface
 from contactlab.api.derivatives import PieceDerivatives
 from contactlab.api.surface import SurfacePositions
 from contactlab.contact.linearisation import Entries, PairLinearisation, Parts, spread, triplets
@@ -27,23 +26,12 @@ class SmoothPair(OperatorPair):
 
     smooth: ClassVar[bool] = True
 
-    def __init__(
-        self,
-        name: str,
-        algorithm: ContactAlgorithm,
-        slave: Surface,
-        master: Surface,
-        reference: Floats,
-        first_slot: int,
-        friction: FrictionLaw | None,
-        fixed: Flags,
-    ) -> None:
-        super().__init__(name, algorithm, slave, master, reference, first_slot, friction, fixed)
+    def _prepare(self, reference: Floats) -> None:
         assert isinstance(self.algorithm, SegmentContact)
         self.part = self.algorithm
         self.curves = tuple(
             (side.segments, _beside(side, reference[side.nodes]), np.zeros((len(side.segments), 4)))
-            for side in (slave, master)
+            for side in (self.slave, self.master)
         )
         self.moments, self.shift = np.zeros((0, 4, 2)), np.zeros((self.slots, 2))
 

@@ -15,10 +15,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.sparse import block_array, csc_array, csr_array, diags_array, vstack
 from scipy.sparse.csgraph import connected_components
-from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs, splu
+from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs
 
 from contactlab.api import Floats, Ints, Response, RunWarning
 from contactlab.api.arrays import Flags
+from contactlab.implicit.factor import Factor, SingularSystem
 from contactlab.model.implicit_model import ImplicitModel
 from contactlab.model.model import Model
 
@@ -74,51 +75,52 @@ def unstable_motions(model: ImplicitModel) -> int:
     contact = model.contact
     if contact is not None and contact.friction and any(pair.half for pair in contact.pairs):
         return 0  # both half passes hold the same slips: with a row for each there is no inverse
-    equations = linearised(model)
-    factors = _factorised(equations.matrix)
-    if factors is None:
-        return 0
-    leaving = _negative_directions(equations, factors)
-    if leaving and model.contact is not None:
-        held = linearised(model, normals_turn=False)
-        fixed = _factorised(held.matrix)
-        others = 0 if fixed is None else _negative_directions(held, fixed)
-        leaving = min(leaving - _neutral_motions(model, equations, factors, leaving), others)
+    factors = _factorised(linearised(model))
+    leaving = _negative_directions(factors)
+    if factors is not None and leaving and contact is not None:
+        fixed = _negative_directions(_factorised(linearised(model, normals_turn=False)))
+        leaving = min(leaving - _neutral_motions(model, factors, leaving), fixed)
     return leaving
 
 
 class _Factors(NamedTuple):
-    """Factors of a matrix whose rows and columns are multiplied alike by `scale`, which changes no sign."""
+    """Factors of equations whose rows and columns are multiplied alike by `scale`, which changes no sign."""
 
+    equations: Linearised
     lu: Any
     matrix: Any
     scale: Floats
+
+    @property
+    def free(self) -> int:
+        """Number of free degrees of freedom, the first rows."""
+        return int(np.count_nonzero(self.equations.free))
 
     def solve(self, right: Floats) -> Floats:
         """Solve with the matrix that was not scaled for one right-hand side (n,)."""
         return np.asarray(self.scale * self.lu.solve(self.scale * right))
 
 
-def _factorised(matrix: Any) -> _Factors | None:
-    """Factorise a matrix; None if it is singular."""
-    scaled, scale = _scaled(matrix)
+def _factorised(equations: Linearised) -> _Factors | None:
+    """Factorise; None if the matrix is singular."""
+    scaled, scale = _scaled(equations.matrix)
     try:
-        lu = splu(scaled, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=1e-3, options={"SymmetricMode": True})
-    except RuntimeError:
+        lu = Factor(scaled).lu
+    except SingularSystem:
         return None
-    return None if (np.abs(lu.U.diagonal()) <= SINGULAR).any() else _Factors(lu, scaled, scale)
+    return None if (np.abs(lu.U.diagonal()) <= SINGULAR).any() else _Factors(equations, lu, scaled, scale)
 
 
-def _neutral_motions(model: ImplicitModel, equations: Linearised, factors: _Factors, leaving: int) -> int:
+def _neutral_motions(model: ImplicitModel, factors: _Factors, leaving: int) -> int:
     """Count the `leaving` motions that only facets make unstable, such as round bodies rolling between smooth plates.
 
     A motion u is neutral if its stiffness is small compared with the stiffness of forces that turn with it,
     sum(p) |u|^2 / L, L the size of what moves, |u|^2 the mean over its nodes.
     """
     assert model.contact is not None
-    soft, shape = _softest(equations, factors, leaving)
+    soft, shape = _softest(factors, leaving)
     moved = np.zeros((model.reference.size, len(soft)))
-    moved[equations.free] = np.abs(shape)
+    moved[factors.equations.free] = np.abs(shape)
     square = (moved.reshape(-1, 2, len(soft)) ** 2).sum(axis=1)
     square /= square.sum(axis=0)  # (N, m)
     place = model.position.reshape(-1, 2)
@@ -128,13 +130,12 @@ def _neutral_motions(model: ImplicitModel, equations: Linearised, factors: _Fact
     return int(np.count_nonzero((soft.real < 0.0) & (-NEUTRAL * turning * soft.real > 1.0)))
 
 
-def _softest(equations: Linearised, factors: _Factors, number: int) -> tuple[Any, Any]:
+def _softest(factors: _Factors, number: int) -> tuple[Any, Any]:
     """Softness (m,) [mm/N] of the softest motions of free degrees of freedom, and these motions (n, m), both complex.
 
     Found by Arnoldi's method (Lehoucq, Sorensen & Yang 1998), with a few motions more than the `number` sought.
     """
-    free = int(np.count_nonzero(equations.free))
-    right = np.zeros(equations.matrix.shape[0])
+    free, right = factors.free, np.zeros(len(factors.scale))
 
     def moved(force: Floats) -> Floats:
         right[:free] = force.ravel()
@@ -152,20 +153,23 @@ def _softest(equations: Linearised, factors: _Factors, number: int) -> tuple[Any
     return soft, shape
 
 
-def _negative_directions(equations: Linearised, factors: _Factors) -> int:
+def _negative_directions(factors: _Factors | None) -> int:
     """Negative pivots beyond the conditions; by their parity if rows were exchanged, as in a matrix without symmetry.
 
-    Where the parity is even those that leave are counted among the softest motions.
+    Where the parity is even those that leave are counted among the softest motions. 0 of a singular matrix.
     """
-    lu, matrix, conditions = factors.lu, factors.matrix, len(equations.conditions)
+    if factors is None:
+        return 0
+    equations, lu, matrix, _ = factors
+    conditions = len(equations.conditions)
     negative = int(np.count_nonzero(lu.U.diagonal() < 0.0))
     # rows exchanged as columns were: signs of pivots are those of eigenvalues
     if np.array_equal(lu.perm_r, lu.perm_c) and abs(matrix - matrix.T).max() <= SYMMETRIC:
         return max(0, negative - conditions)
     if (negative + _parity(lu.perm_r) + _parity(lu.perm_c) + conditions) % 2:
         return 1
-    soft, _ = _softest(equations, factors, EVEN)
-    stiffest = np.abs(equations.matrix.diagonal()[: int(np.count_nonzero(equations.free))]).max(initial=1e-300)
+    soft, _ = _softest(factors, EVEN)
+    stiffest = np.abs(equations.matrix.diagonal()[: factors.free]).max(initial=1e-300)
     leaves = (soft.real * stiffest < -HARD) & (np.abs(soft.imag) < REAL * np.abs(soft))
     return int(np.count_nonzero(leaves))
 
