@@ -147,7 +147,7 @@ def test_an_overlap_that_comes_in_an_instant_and_stays_is_told() -> None:
 
 def test_energy_that_contact_makes_is_told_and_stops_the_run() -> None:
     # damping as strong as where the way does not matter hides what contact makes
-    results = run({"bodies.block.mesh.cells": [72, 12], "time.history": True}, forces=FROZEN)
+    results = run({"bodies.block.mesh.cells": [72, 12], "time.history": True, "time.ramp": RAMP}, forces=FROZEN)
     assert results.status == "diverged"
     assert "contact has made" in results.summary["reason"]
     assert 'forces = "consistent"' in results.summary["reason"]

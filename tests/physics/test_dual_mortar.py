@@ -38,7 +38,7 @@ def test_pressures_differ_from_linear_ones_by_the_error_of_the_mesh(swap: bool) 
 def test_explicit_friction_ends_at_the_force_of_statics(swap: bool) -> None:
     """Either way the bodies are in equilibrium at the end; histories differ, and with them what has slid: 1 %."""
     keys = {"contacts.0.swap": swap, "contacts.0.friction": {"use": "coulomb", "mu": 0.2}, **COARSE}
-    explicit = pressed("mortar-dual", **keys)
+    explicit = pressed("mortar-dual", **keys, **{"time.ramp": 1.1e-5})  # some 15 periods
     statics = pressed("mortar-dual", integrator={"use": "newton", "steps": 10}, **keys)
     one, other = (results.summary["reactions"]["disc.top"][1] for results in (explicit, statics))
     assert one == pytest.approx(other, rel=1e-2)

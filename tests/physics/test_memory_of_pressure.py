@@ -158,7 +158,7 @@ def test_what_laws_remember_is_in_every_output(tmp_path: Path) -> None:
     law = {"use": "worn-layer", "stiffness": 500.0, "wear": 2e-4}
     supports = [{"on": "b.top", "ux": {"ramp": "linear", "to": 0.1}, "uy": -0.01}]
     scene = block(law, {"use": "newton", "steps": 4}, supports=supports).with_(
-        {"contacts.0.friction": {"use": "coulomb", "mu": 0.2}}
+        {"contacts.0.friction": {"use": "coulomb", "mu": 0.2}, "record.recorders": ["vtkhdf"]}
     )
     results = contactlab.simulate(scene, out=tmp_path / "run")
     curves = contactlab.load_results(tmp_path / "run").contact["contacts.0"].curves

@@ -36,7 +36,7 @@ FLOOR = {
 def run(end: float, steps: int, velocity: list[float], **changes: Any) -> Results:
     scene = {
         "time": {"end": end}, "integrator": {"use": "implicit-dynamics", "steps": steps}, "materials": {"m": LAW},
-        "bodies": {"block": {**BLOCK, "velocity": velocity}}, "record": {"recorders": [], "frames": 200}, **changes,
+        "bodies": {"block": {**BLOCK, "velocity": velocity}}, "record": {"recorders": [], "frames": 10}, **changes,
     }  # fmt: skip
     return simulate(Scene.from_data(scene), watch={"kept": Series(("time", "displacement.block.y"))})
 
@@ -57,7 +57,7 @@ def swing(time: np.ndarray) -> np.ndarray:
     return np.asarray(SPEED / w * np.sin(w * time))
 
 
-@pytest.mark.parametrize(("periods", "each"), [(10, 12), (5, 24), (20, 40)])
+@pytest.mark.parametrize(("periods", "each"), [(10, 12), (5, 24), (10, 28)])
 def test_a_mass_on_a_spring(periods: int, each: int) -> None:
     """Known: v/w sin wt. The estimate is the first term of the error, good up to a whole amplitude."""
     results = run(periods * PERIOD, periods * each, [0.0, SPEED], effects=[SPRING])

@@ -62,7 +62,7 @@ def test_the_way_is_that_of_statics() -> None:
 
     Damping takes 1e-5 of the work. With all motion damped the force is 24 % too large at 5 % of the way.
     """
-    statics = pressed(**{"integrator": {"use": "newton", "steps": 20}, "record.frames": 1000})
+    statics = pressed(**{"integrator": {"use": "newton", "steps": 10}, "record.frames": 1000})
     way, force, _ = curve(statics)
     explicit = pressed(**{"time.history": True})
     assert explicit.summary["history"]["curve"] == "quasi-static"

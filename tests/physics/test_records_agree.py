@@ -19,7 +19,7 @@ from contactlab.scene.scene import Scene
 
 ASIDE = 0.1
 IMPLICIT = "newton", "implicit-dynamics"
-WAYS = {"newton": {"steps": 4}, "implicit-dynamics": {"steps": 40}, "central-difference": {}}
+WAYS = {"newton": {"steps": 4}, "implicit-dynamics": {"steps": 20}, "central-difference": {}}
 POTENTIALS = "barrier", "midplane"
 
 
@@ -36,6 +36,7 @@ def dragged(algorithm: str, integrator: str) -> Scene:
         "supports": [{"on": "b.top", "ux": {"ramp": "linear", "to": ASIDE}, "uy": {"ramp": "linear", "to": -0.1}}],
         "contacts": [{"slave": "b.bottom", "master": "floor", "algorithm": algorithm,
                       "friction": {"use": "coulomb", "mu": 0.05}}],
+        "record": {"recorders": ["vtkhdf"]},
     })  # fmt: skip
 
 
@@ -80,9 +81,10 @@ def pressed_arc(algorithm: dict[str, Any], element: str, smooth: bool) -> Scene:
     contact = {"slave": "inner.outer", "master": "outer.inner", "friction": {"use": "coulomb", "mu": 0.2}} | algorithm
     turn = {"ux": {"ramp": "linear", "to": 0.02}, "uy": {"ramp": "linear", "to": 0.2}}
     return Scene.from_data({
-        "integrator": {"use": "newton", "steps": 5},
+        "integrator": {"use": "newton", "steps": 3},
         "materials": {"m": steel}, "bodies": bodies, "contacts": [contact | ({"smooth": True} if smooth else {})],
         "supports": [{"on": "outer.outer", "ux": 0.0, "uy": 0.0}, {"on": "inner.inner"} | turn],
+        "record": {"recorders": ["vtkhdf"]},
     })  # fmt: skip
 
 

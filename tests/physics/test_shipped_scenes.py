@@ -20,12 +20,14 @@ MEANT = {
 """Warnings that a scene deserves and is meant to have."""
 TO_THE_END = {"disc-in-box": {"impact-loss"}}  # over all of its bounces
 SHORTER = {
-    "block-on-incline": {"time.end": 0.06},  # the weight is all there at 0.03 s: it slides as long as it was put down
+    "block-on-incline": {
+        "time.end": 0.045
+    },  # the weight is all there at 0.03 s: it slides half as long as it was put down
     "bouncing-bar": {"time.end": 7.0},  # a period and a half: 16/3 s from top to top
     "disc-in-box": {"time.end": 1.25e-3},  # three bounces, at both pairs of walls
     "dropped-block": {"time.end": 0.2},  # some bounces
     "spinning-pair": {"time.end": 3e-3},  # a quarter of a turn
-    "stack": {"time.end": 0.06, "effects.0.ramp": 0.05},  # a wave is 1.2 ms on its way through all blocks
+    "stack": {"time.end": 0.03, "effects.0.ramp": 0.025},  # a wave is 1.2 ms on its way through all blocks
 }
 """Ends after which nothing new happens; `make test FULL=1` follows these scenes to their own."""
 ELSEWHERE = {

@@ -18,10 +18,10 @@ FRICTION = pytest.mark.parametrize("mu", some([0.0, 0.2], [0.2]))
 
 @cache
 def disc(enforcement: str, factor: float = 0.0, mu: float = 0.0, algorithm: str = "mortar-p1") -> Results:
-    """Deep disc-on-block, level 1, five load steps."""
+    """Deep disc-on-block, level 1, two load steps."""
     spec: Any = {"use": enforcement, "factor": factor} if factor else enforcement
     friction = {"contacts.0.friction": {"use": "coulomb", "mu": mu}} if mu else {}
-    changes = {"level": 1, "integrator": {"use": "newton", "steps": 5}, "contacts.0.algorithm": algorithm}
+    changes = {"level": 1, "integrator": {"use": "newton", "steps": 2}, "contacts.0.algorithm": algorithm}
     changes |= {"contacts.0.enforcement": spec, "record.frames": 1}
     return simulate(contactlab.load_scene("disc-on-block").with_(changes | friction))
 
