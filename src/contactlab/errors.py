@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 
@@ -40,7 +40,7 @@ class Location:
 
     def at(self, key: str) -> Location:
         """The location of a dotted key in the same text."""
-        return replace(self, key=key)
+        return Location(self.file, key, self.lines, self.overrides, self.folder)
 
     def child(self, name: str | int) -> Location:
         """The location of `name` inside this table."""

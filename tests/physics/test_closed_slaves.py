@@ -80,7 +80,7 @@ def test_a_thrown_shaft_keeps_momentum_and_energy(element: str) -> None:
     ).with_({
         "bodies.shaft.mesh.radii": [HOLE, 0.99 * FIT], "bodies.shaft.velocity": [300.0, 40.0],
         "bodies.shaft.spin": 200.0, "bodies.shaft.element": element, "bodies.hub.element": element,
-        "materials.steel.use": "neo-hookean",
+        "materials.steel.use": "neo-hookean", "record.frames": 5,
     })  # fmt: skip
     results = simulate(scene)
     assert results.status == "finished", results.reason

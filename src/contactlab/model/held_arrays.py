@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import types
 from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -35,7 +35,7 @@ def held_arrays(model: Model, **others: Any) -> list[HeldArray]:
     found = [_held(f"state.{name}", field) for name, field in model.state.fields.items()]
     seen = {id(model.state.buffer)}
     for name, value in ({"": model} | others).items():
-        found += [_held(place, array) for place, array in _walk(name, value, seen, DEPTH)]
+        _walk(found, name, value, seen, DEPTH)
     return found
 
 
@@ -43,27 +43,32 @@ def _held(name: str, array: np.ndarray) -> HeldArray:
     return HeldArray(name, " x ".join(str(n) for n in array.shape), int(array.nbytes))
 
 
-def _walk(name: str, value: object, seen: set[int], depth: int) -> Iterator[tuple[str, np.ndarray]]:
+def _walk(found: list[HeldArray], name: str, value: object, seen: set[int], depth: int) -> None:
+    """Add the arrays in `value` that were not seen before to those found."""
     if isinstance(value, np.ndarray):
         owner = _owner(value)
         if id(owner) not in seen:
             seen.add(id(owner))
             if owner.size:
-                yield name, owner
+                found.append(_held(name, owner))
             if owner.dtype == object:
-                yield from _inside(name, {str(k): item for k, item in enumerate(owner.flat)}, seen, depth)
-    elif depth > 0 and id(value) not in seen and not _opaque(value):
+                _walk_inside(found, name, {str(k): item for k, item in enumerate(owner.flat)}, seen, depth)
+    elif depth > 0 and id(value) not in seen:
         seen.add(id(value))
-        yield from _inside(name, _children(value), seen, depth)
+        _walk_inside(found, name, _children(value), seen, depth)
 
 
-def _opaque(value: object) -> bool:
-    return isinstance(value, OPAQUE) or type(value).__module__.partition(".")[0] in COMPILERS
-
-
-def _inside(name: str, children: Mapping[str, Any], seen: set[int], depth: int) -> Iterator[tuple[str, np.ndarray]]:
+def _walk_inside(found: list[HeldArray], name: str, children: Mapping[str, Any], seen: set[int], depth: int) -> None:
     for key, child in children.items():
-        yield from _walk(f"{name}.{key}".strip("."), child, seen, depth - 1)
+        kind: Any = type(child)
+        if not _opaque(kind):
+            _walk(found, f"{name}.{key}".strip("."), child, seen, depth - 1)
+
+
+@functools.cache
+def _opaque(kind: Any) -> bool:
+    """Whether nothing is looked for in objects of a type."""
+    return issubclass(kind, OPAQUE) or kind.__module__.partition(".")[0] in COMPILERS
 
 
 def _owner(array: np.ndarray) -> np.ndarray:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import cache
 from importlib.resources import files
 from typing import NamedTuple
@@ -42,8 +42,7 @@ def surely_called(scene: Scene) -> Sequence[KnownKernel]:
 def used_parts(scene: Scene) -> frozenset[str]:
     """Names of the parts whose kernels are called, all but meshes and recorders, and the kind of contact forces."""
     parts = {name for _, kind, name in part_specs(scene) if kind not in ("mesh", "recorder")}
-    integrator = scene.data["integrator"]
-    frozen = isinstance(integrator, Mapping) and integrator.get("forces") in ("frozen", "published")
+    frozen = scene.integrator.get("forces") in ("frozen", "published")
     return frozenset(parts | {"frozen forces" if frozen else "forces"})
 
 

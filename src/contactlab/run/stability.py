@@ -219,11 +219,16 @@ def _softness(model: ImplicitModel) -> Floats:
 
 def _scaled(matrix: Any) -> tuple[Any, Floats]:
     """Scale rows and columns alike, so that the diagonal is 1, or where it is 0 the largest entry; return the scale."""
+    matrix.sum_duplicates()
     diagonal = np.abs(matrix.diagonal())
     first = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
-    largest = abs(diags_array(first) @ matrix @ diags_array(first)).max(axis=0).toarray().ravel()
+    row, column = matrix.indices, np.repeat(np.arange(len(first)), np.diff(matrix.indptr))
+    largest = np.zeros(len(first))
+    np.maximum.at(largest, column, np.abs(first[row] * matrix.data * first[column]))
     scale = first / np.where((diagonal == 0.0) & (largest > 0.0), largest, 1.0)
-    return csc_array(diags_array(scale) @ matrix @ diags_array(scale)), scale
+    scaled = csc_array((scale[row] * matrix.data * scale[column], row, matrix.indptr), shape=matrix.shape)
+    scaled.eliminate_zeros()
+    return scaled, scale
 
 
 def _parity(order: Ints) -> int:

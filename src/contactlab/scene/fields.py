@@ -27,6 +27,7 @@ ReadPart = Callable[[str, Any, Where], PartSpec]
 """Checks a part of the given kind as it was written (kind, value, where)."""
 
 _HINTS: WeakKeyDictionary[type, dict[str, Any]] = WeakKeyDictionary()
+_KEYS: WeakKeyDictionary[type, dict[str, dataclasses.Field[Any]]] = WeakKeyDictionary()
 
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
 
@@ -63,12 +64,15 @@ def hidden(default: Any) -> Any:
     return dataclasses.field(default=default, repr=False, compare=False, metadata={"hidden": True})
 
 
-def keys_of(cls: type) -> dict[str, dataclasses.Field[Any]]:
+def keys_of(cls: type) -> Mapping[str, dataclasses.Field[Any]]:
     """The keys that a table read into `cls` may have, in the order of declaration.
 
     A key that is a word of Python's own has a field with an underscore behind it: `from_` is the key `from`.
     """
-    return {f.name.rstrip("_"): f for f in dataclasses.fields(cls) if f.init and not f.metadata.get("hidden")}
+    if cls not in _KEYS:
+        fields = (f for f in dataclasses.fields(cls) if f.init and not f.metadata.get("hidden"))
+        _KEYS[cls] = {f.name.rstrip("_"): f for f in fields}
+    return _KEYS[cls]
 
 
 def hints_of(cls: type) -> Mapping[str, Any]:
@@ -91,6 +95,8 @@ def as_data(instance: Any) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
+    if isinstance(value, str | float | int):  # most values
+        return value
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return as_data(value)
     if isinstance(value, Mapping):

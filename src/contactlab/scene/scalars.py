@@ -28,9 +28,8 @@ def choice(hint: Any, value: Any, where: Where, limits: Mapping[str, Any]) -> An
 
 def scalar(hint: Any, value: Any, where: Where, limits: Mapping[str, Any]) -> Any:
     """A number within its `limits`, a string, a path or a boolean. Raises SceneError for any other value."""
-    allowed = in_words(limits.get("options", hint), limits)
     if hint in (int, float):
-        return _number(hint, value, where, limits, allowed)
+        return _number(hint, value, where, limits)
     if isinstance(value, str | Path):
         _check_characters(str(value), where)
     if hint is Path and isinstance(value, str | Path):
@@ -40,7 +39,11 @@ def scalar(hint: Any, value: Any, where: Where, limits: Mapping[str, Any]) -> An
     if isinstance(hint, type) and isinstance(value, hint):
         return value
     tip = "write booleans without quotes: true, false" if hint is bool and isinstance(value, str) else ""
-    raise SceneError("wrong type", where=where, got=value, allowed=allowed, hint=tip)
+    raise SceneError("wrong type", where=where, got=value, allowed=_allowed(hint, limits), hint=tip)
+
+
+def _allowed(hint: Any, limits: Mapping[str, Any]) -> str:
+    return in_words(limits.get("options", hint), limits)
 
 
 def _check_characters(text: str, where: Where) -> None:
@@ -52,22 +55,24 @@ def _check_characters(text: str, where: Where) -> None:
         )
 
 
-def _number(hint: type, value: Any, where: Where, limits: Mapping[str, Any], allowed: str) -> float | int:
+def _number(hint: type, value: Any, where: Where, limits: Mapping[str, Any]) -> float | int:
     if isinstance(value, bool) or not isinstance(value, int | float) or (hint is int and isinstance(value, float)):
+        allowed = _allowed(hint, limits)
         raise SceneError("wrong type", where=where, got=value, allowed=allowed, hint=_number_hint(hint, value))
     try:
         number = hint(value)
     except OverflowError:
         number = math.inf
     if hint is float and not math.isfinite(number):
-        raise SceneError("the number is not finite", where=where, got=value, allowed=allowed)
+        raise SceneError("the number is not finite", where=where, got=value, allowed=_allowed(hint, limits))
     if hint is float and abs(number) > GREATEST:
-        allowed = f"{allowed}, of a size up to {GREATEST:g}"
+        allowed = f"{_allowed(hint, limits)}, of a size up to {GREATEST:g}"
         raise SceneError("the number is out of bounds", where=where, got=value, allowed=allowed)
     if hint is int and abs(number) > LARGEST:
-        raise SceneError("the number is out of bounds", where=where, got=value, allowed=f"{allowed}, below 2^63")
-    if not _within(number, limits):
+        allowed = f"{_allowed(hint, limits)}, below 2^63"
         raise SceneError("the number is out of bounds", where=where, got=value, allowed=allowed)
+    if not _within(number, limits):
+        raise SceneError("the number is out of bounds", where=where, got=value, allowed=_allowed(hint, limits))
     return typing.cast("float | int", number)
 
 
