@@ -131,6 +131,7 @@ def test_an_overlap_that_comes_in_an_instant_and_stays_is_told() -> None:
     With the finer side as slave nothing jumps, and statics have the same force within 1e-5.
     """
     cells = {"bodies.disc.mesh.cells": [12, 3], "bodies.block.mesh.cells": [68, 11], "time.history": True}
+    cells |= {"record.frames": 4}
     told = {}
     for swap in (False, True):
         results = run({**cells, "contacts.0.swap": swap, "time.ramp": RAMP})
@@ -147,7 +148,10 @@ def test_an_overlap_that_comes_in_an_instant_and_stays_is_told() -> None:
 
 def test_energy_that_contact_makes_is_told_and_stops_the_run() -> None:
     # damping as strong as where the way does not matter hides what contact makes
-    results = run({"bodies.block.mesh.cells": [72, 12], "time.history": True, "time.ramp": RAMP}, forces=FROZEN)
+    results = run(
+        {"bodies.block.mesh.cells": [72, 12], "time.history": True, "time.ramp": RAMP, "record.frames": 4},
+        forces=FROZEN,
+    )
     assert results.status == "diverged"
     assert "contact has made" in results.summary["reason"]
     assert 'forces = "consistent"' in results.summary["reason"]

@@ -49,7 +49,7 @@ def blocks(integrator: str = "newton", cells: tuple[int, int] = (5, 7), layers: 
                 {"on": "upper.left", "ux": 0.0},
                 {"on": "upper.top", "uy": push},
             ],
-            "record": {"recorders": []},
+            "record": {"frames": 4, "recorders": []},
         }
     )
     return scene.with_(changes) if changes else scene
@@ -137,7 +137,7 @@ def test_forces_of_both_sides_agree_as_far_as_the_mesh_resolves() -> None:
 def test_explicit_steps_settle_with_what_the_sides_lack() -> None:
     """Their sums differ by 0.9 % on the coarse disc, and reactions by as much: that is no motion."""
     given = {"contacts.0.algorithm": TWICE, "contacts.0.enforcement": LAW, "record.recorders": []}
-    given |= {"bodies.disc.mesh.cells": [12, 3], "bodies.block.mesh.cells": [18, 3]}
+    given |= {"bodies.disc.mesh.cells": [12, 3], "bodies.block.mesh.cells": [18, 3], "record.frames": 4}
     results = run(load_scene("disc-on-block").with_(given))
     up, down = (results.summary["reactions"][side][1] for side in ("block.bottom", "disc.top"))
     assert 1e-3 < abs(up + down) / up < 0.01

@@ -24,6 +24,7 @@ from contactlab.testing.scenarios.invariance import rotation_turns_the_answers
 from contactlab.testing.subject import Subject
 
 CELLS, CONTACT, ARRIVAL = 50, 2.0 * LENGTH / SOUND, 0.237
+SHORT = {"frames": 4, "recorders": []}  # a watch keeps what tests look at, of every step
 
 
 def found(steps: float, like: bool = False, impacts: bool = True) -> Mapping[str, Floats]:
@@ -49,6 +50,7 @@ def run(steps: float, like: bool = False, impacts: bool = True) -> tuple[Mapping
         "bodies": bodies,
         "contacts": [{"slave": "bar.left", "master": "wall.right" if like else "wall", "algorithm": "mortar-p0"}],
         "supports": [{"on": name, "uy": 0.0} for name in bodies],
+        "record": SHORT,
     }
     kept = Series(("time", "energy", "work.contact", *(f"velocity.{name}.x" for name in bodies)))
     results = simulate(Scene.from_data(data | more), watch={"kept": kept})
@@ -64,7 +66,7 @@ def test_energy_that_impacts_on_coarse_cells_take_is_told(cells: int) -> None:
         "time": {"end": ARRIVAL + 1.5 * CONTACT}, "integrator": "central-difference", "bodies": {"bar": bar},
         "materials": {"m": {"use": "linear-elastic"} | BAR}, "rigid": {"wall": {"line": [[0.0, -1.0], [0.0, 2.0]]}},
         "contacts": [{"slave": "bar.left", "master": "wall", "algorithm": "mortar-p0"}],
-        "supports": [{"on": "bar", "uy": 0.0}],
+        "supports": [{"on": "bar", "uy": 0.0}], "record": SHORT,
     })  # fmt: skip
     results = simulate(scene, watch={"kept": Series(("work.contact", "velocity.bar.x"))})
     lost = -float(results.watched["kept"]["work.contact"][-1]) / ENERGY
@@ -94,6 +96,7 @@ def test_a_load_that_drops_at_once_sends_the_bar_off_at_its_speed(wished: dict[s
         "contacts": [{"slave": "bar.left", "master": "wall", "algorithm": "mortar-p0"}],
         "supports": [{"on": "bar", "uy": 0.0}],
         "loads": [{"on": "bar.right", "pressure": {"to": pressure, "ramp": "table", "points": points}}],
+        "record": SHORT,
     })  # fmt: skip
     results = simulate(scene, watch={"kept": Series(("velocity.bar.x",))})
     assert results.status == "finished"
@@ -126,6 +129,7 @@ def test_a_pulse_gives_its_impulse(wished: dict[str, int], pulse: list[list[floa
         "materials": {"m": {"use": "linear-elastic"} | BAR},
         "bodies": {"bar": strip((0.0, LENGTH), (0.0, 1.0), [4, 1])},
         "loads": [{"on": "bar.left", "tx": {"to": 1.0, "ramp": "table", "points": points}}],
+        "record": SHORT,
     })  # fmt: skip
     results = simulate(scene, watch={"kept": Series(("time", "velocity.bar.x"))})
     assert np.diff(results.watched["kept"]["time"]).min() > 1e-4 * step
@@ -278,7 +282,7 @@ def test_a_wall_that_sets_a_bar_at_rest_in_motion_is_no_impact() -> None:
         "bodies": {"bar": strip((0.0, 10.0), (0.0, 1.0), [40, 1])},
         "rigid": {"wall": {"line": [[0.0, -1.0], [0.0, 2.0]], "ux": motion}},
         "contacts": [{"slave": "bar.left", "master": "wall", "algorithm": "mortar-p1"}],
-        "supports": [{"on": "bar", "uy": 0.0}],
+        "supports": [{"on": "bar", "uy": 0.0}], "record": SHORT,
     })  # fmt: skip
     results = simulate(scene, watch={"kept": Series(("velocity.bar.x",))})
     assert results.status == "finished", results.reason

@@ -28,6 +28,9 @@ impacts = false
 [time]
 end = 1e-4
 
+[record]
+frames = 4
+
 [materials.soft]
 use = "neo-hookean"
 young = 1000.0

@@ -22,6 +22,7 @@ ARCH: dict[str, Any] = {
     }}},
     "supports": [{"on": f"arch.{side}", "ux": 0.0, "uy": 0.0} for side in ("left", "right")],
     "loads": [{"on": "arch.top", "ty": {"ramp": "linear", "to": -LOAD}}],
+    "record": {"frames": 4},
 }  # fmt: skip
 DYNAMICS = {"use": "implicit-dynamics", "steps": 60}
 BLOCK: dict[str, Any] = {
@@ -34,6 +35,7 @@ BLOCK: dict[str, Any] = {
     "rigid": {"floor": {"line": [[5.0, 0.0], [-5.0, 0.0]]}},
     "contacts": [{"slave": "block.bottom", "master": "floor", "algorithm": "mortar-p0"}],
     "loads": [{"on": "block.top", "ty": {"ramp": "linear", "to": -1.0}}],
+    "record": {"frames": 4},
 }  # fmt: skip
 NODES = 9
 

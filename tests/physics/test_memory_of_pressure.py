@@ -122,7 +122,8 @@ def test_wear_is_pressure_times_slip(use: str) -> None:
         {"use": use, "steps": 25} if use == "newton" else use, time={"end": end},
         supports=[{"on": "b.top", "ux": 0.0, "uy": {"ramp": "linear", "to": -push}}],
     ).with_(
-        {"rigid.floor.ux": {"ramp": "linear", "to": way}, "contacts.0.friction": {"use": "coulomb", "mu": 0.0}}
+        {"rigid.floor.ux": {"ramp": "linear", "to": way}, "contacts.0.friction": {"use": "coulomb", "mu": 0.0},
+         "record.frames": 1}
     )  # fmt: skip
     results = contactlab.simulate(scene)
     assert results.status == "finished", results.reason

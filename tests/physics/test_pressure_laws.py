@@ -176,6 +176,7 @@ def test_a_soft_penalty_that_loses_a_bounce_is_told(factor: float) -> None:
     results = done(blocks({"use": "penalty", "factor": factor}, "implicit-dynamics").with_({
         "integrator": {"use": "implicit-dynamics", "steps": 48}, "time.end": 4e-3, "bodies.upper.velocity": [0.0, -1.5],
         "bodies.upper.mesh.y": [1e-3, 1e-3 + HEIGHT], "supports": [{"on": "lower.bottom", "ux": 0.0, "uy": 0.0}],
+        "record.frames": 4,
     }))  # fmt: skip
     lost = results.summary["balance"]["contact"] / (0.5 * WIDTH * HEIGHT * RHO * 1.5**2)
     told = [warning for warning in results.warnings if warning.code == "contact-energy"]
@@ -202,7 +203,7 @@ def test_friction_carries_its_share_of_the_pressure(integrator: str) -> None:
     """A block dragged along slides under mu times its pressure; in an explicit run, which rings, it sticks at times."""
     way = {"ramp": "linear" if integrator == "newton" else "parabola", "to": 0.02}
     given = {"contacts.0.friction": {"use": "coulomb", "mu": 0.2}, "supports.0.ux": way, "time.end": 1e-3}
-    given |= {"bodies.upper.mesh.x": [0.5, 1.5]}
+    given |= {"bodies.upper.mesh.x": [0.5, 1.5], "record.frames": 4}
     results = done(blocks(LAWS["linear"], integrator, **given))
     if integrator == "newton":
         curve = results.contact["contacts.0"].last
@@ -226,7 +227,8 @@ def test_explicit_steps_follow_the_slope() -> None:
 def test_a_node_of_a_long_segment_presses_on_a_light_one(algorithm: str) -> None:
     """Two cells on seven: a node of the master carries one of the slave, 3.5 times as long. Runs diverged before."""
     law = LAWS["linear"] | {"factor": 100.0}
-    scene = blocks(law, "central-difference", **{"bodies.lower.mesh.cells": [7, 1], "contacts.0.algorithm": algorithm})
+    given = {"bodies.lower.mesh.cells": [7, 1], "contacts.0.algorithm": algorithm, "record.frames": 4}
+    scene = blocks(law, "central-difference", **given)
     plain, model = (
         build(scene.with_({"contacts.0.enforcement": use}), default_registry()) for use in ("forward-increment", law)
     )
@@ -250,7 +252,7 @@ def test_a_block_that_slides_down_a_rigid_slope_gets_no_energy_from_a_law() -> N
         "contacts": [{"slave": "b.bottom", "master": "plane", "algorithm": "mortar-p1",
                       "enforcement": LAWS["linear"], "friction": {"use": "coulomb", "mu": 0.1}}],
         "effects": [{"use": "gravity", "acceleration": [0.0, -9810.0]}],
-        "record": {"recorders": []},
+        "record": {"frames": 4, "recorders": []},
     }))  # fmt: skip
     made, put_in = (results.history[f"energy.{name}"][-1] for name in ("contact", "external"))
     assert abs(made) < 0.01 * put_in  # the limit of the warning contact-energy

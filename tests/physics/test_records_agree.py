@@ -36,7 +36,7 @@ def dragged(algorithm: str, integrator: str) -> Scene:
         "supports": [{"on": "b.top", "ux": {"ramp": "linear", "to": ASIDE}, "uy": {"ramp": "linear", "to": -0.1}}],
         "contacts": [{"slave": "b.bottom", "master": "floor", "algorithm": algorithm,
                       "friction": {"use": "coulomb", "mu": 0.05}}],
-        "record": {"recorders": ["vtkhdf"]},
+        "record": {"frames": 4, "recorders": ["vtkhdf"]},
     })  # fmt: skip
 
 

@@ -49,7 +49,7 @@ def forging(billet: Path) -> Scene:
     for contact in data["contacts"]:
         contact["algorithm"] = "mortar-p1"
     data["supports"][0]["uy"]["to"] = -0.48
-    data["record"] = {"recorders": []}
+    data["record"] = {"frames": 1, "recorders": []}
     return Scene.from_data(data)
 
 

@@ -111,6 +111,7 @@ def clip(algorithm: str) -> Results:
             {"on": "plate.bottom", "ux": 0.0, "uy": 0.0},
             {"on": "clip.root", "ux": {"ramp": "linear", "to": 5.5}, "uy": 0.0},
         ],
+        "record": {"frames": 1},
     }  # fmt: skip
     return contactlab.simulate(Scene.from_data(scene))
 

@@ -77,7 +77,7 @@ def ironed(algorithm: str, swap: bool) -> tuple[float, float]:
 
     The vertical force is still on its way from that of the press to that of sliding, 1.15 to 1.3 times as large.
     """
-    (results,) = runs_of(Ironing(slide=1.2), algorithm, swap, **{"integrator.steps": 20})
+    (results,) = runs_of(Ironing(slide=1.2), algorithm, swap, **{"integrator.steps": 20, "record.frames": 4})
     assert results.status == "finished"
     time, fx, fy = (np.asarray(results.history[name]) for name in ("time", "block.top.fx", "block.top.fy"))
     least, most = PUBLISHED["end of press"]
