@@ -120,7 +120,7 @@ def test_deep(runs: Runs, algorithm: str, swap: bool) -> None:
     assert upwards == pytest.approx(-run.reaction("disc.top")[1], rel=5e-4)
 
 
-STILL: dict[str, int] = {"steps": 5}
+STILL: dict[str, int] = {"steps": 2}
 WAYS: list[tuple[Callable[..., dict[str, Any]], int, dict[str, int]]] = [
     (still, 2, STILL),
     (still, 3, STILL),

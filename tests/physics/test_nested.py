@@ -41,7 +41,7 @@ def test_the_end_is_that_of_load_steps(algorithm: str, swap: bool) -> None:
     """Elastic and frictionless: one solution to the tolerance, whatever the iteration began with."""
     keys = {"contacts.0.algorithm": algorithm, "contacts.0.swap": swap}
     found = simulate(disc(**keys))
-    steps = simulate(disc(**keys, integrator={"use": "newton", "steps": 5}))
+    steps = simulate(disc(**keys, integrator={"use": "newton", "steps": 2}))
     assert found.status == steps.status == "finished"
     assert found.summary["iterations"] <= 4, "the prolonged end is right but for a few nodes"
     assert reaction(found) == pytest.approx(reaction(steps), rel=1e-7)
@@ -115,7 +115,7 @@ def test_a_finest_level_that_fails_follows_the_way(monkeypatch: pytest.MonkeyPat
         lambda self, time, u, p: Estimate(time, np.zeros(self.shape), np.zeros(self.multipliers)),
     )
     scene = disc(**{"supports.1.uy.to": -0.05, "integrator": {"use": "newton", "iterations": 3}})
-    results, expected = simulate(scene), simulate(scene.with_({"integrator": {"use": "newton", "steps": 10}}))
+    results, expected = simulate(scene), simulate(scene.with_({"integrator": {"use": "newton", "steps": 2}}))
     assert results.status == expected.status == "finished"
     assert reaction(results) == pytest.approx(reaction(expected), rel=1e-7)
     assert "rejected after" in results.events[1].text
