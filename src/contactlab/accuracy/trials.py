@@ -15,7 +15,6 @@ from contactlab.accuracy.judged import ForcesJudged, Judge, Judged, PressuresJud
 from contactlab.accuracy.point import cost_of, spent_on
 from contactlab.accuracy.remaining import Ladder, Truth, truth_of
 from contactlab.api import Job, Record
-from contactlab.cases.run_case import scene_of
 from contactlab.errors import ContactlabError
 from contactlab.jobs.perform import LEEWAY
 from contactlab.jobs.run import Run
@@ -120,9 +119,10 @@ class Trials:
         limit = min(limit, left, max(self.wish.budget, 2.0 * expected))
         try:
             changes = configuration.changes(self.scene.data, level)
-            job = Job("run", dict(self.scene.data), changes, frames=self.frames, curves="last")
+            job = Job("run", self.scene.data, changes, frames=self.frames, curves="last")
+            scene = self.scene.with_({"record.recorders": [], "record.frames": self.frames, **changes})
             run = Run(
-                job, scene_of(job, self.registry), f"{self.scene.name} {name}", number=number, timed=True,
+                job, scene, f"{self.scene.name} {name}", number=number, timed=True,
                 cpu_limit=float(f"{limit:.2g}"), rank=(expected,),
                 unless=lambda: "no time left" if self.spent + expected > until else "",
             )  # fmt: skip

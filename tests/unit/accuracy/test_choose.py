@@ -188,7 +188,7 @@ def test_where_no_mesh_settles_the_pressure_forces_choose() -> None:
     assert "forces" in found.why
     assert "--search" in found.why
     assert "edge" not in found.why
-    assert "smaller" in chosen(singular, 0.02, search=1e4).why  # the finest meshes have been tried
+    assert "smaller" in chosen(singular, 0.02, search=2e3).why  # the finest meshes have been tried
 
 
 def test_a_pressure_that_is_highest_where_contact_ends_is_one_of_an_edge() -> None:
@@ -282,7 +282,7 @@ def test_runs_that_fail_the_patch_test_are_no_reference() -> None:
         off = 0.1 if _name(run.scene).startswith("node-on-segment") else 0.2 * run.scene.level**-1.0
         return record(lambda x: (1.0 + off) * EXACT(x), 0.2 * run.scene.level**2)
 
-    found = chosen(make, 0.05)
+    found = chosen(make, 0.05, search=100.0)
     assert "node-on-segment" not in found.reference
     assert found.verdict == "ok"
     assert not found.name.startswith("node-on-segment")
@@ -339,7 +339,8 @@ def test_scenes_without_coarse_facets_have_no_trial_with_smooth_surfaces() -> No
         made.append(run.scene.contacts[0].smooth)
         return facets(run, warned=False)
 
-    found = chosen(make, 0.02)
+    found = chosen(make, 0.02, search=30.0)
+    assert made
     assert not any(made)
     assert "contacts.0.smooth" not in found.choice
 
@@ -389,7 +390,7 @@ def test_a_shrink_fit_of_half_rings_is_answered_with_lames_pressure() -> None:
     def make(run: Run) -> Record:
         own, element = run.scene, run.scene.data["bodies"]["in"]["element"]["use"]
         kinds = element, own.contacts[0].algorithm["use"], own.integrator["use"]
-        fast = kinds == ("q1", "mortar-p0", "newton") and own.level <= 4
+        fast = kinds == ("q1", "mortar-p0", "newton") and own.level <= 3 and not own.contacts[0].swap
         return made(run.job, own) if fast else Record("refused", "to save time", {})
 
     found = chosen(make, 0.03, scene)
