@@ -15,12 +15,12 @@ from contactlab.results.results import Results
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene, load_scene
 
-# the bundled scene on a coarse mesh: about 250 steps; contact begins with the first
+# the bundled scene on a coarse mesh: about 125 steps; contact begins with the first
 SMALL = {
     "bodies.disc.mesh.cells": [8, 2],
     "bodies.block.mesh.cells": [12, 2],
-    "time.end": 4e-6,
-    "record.frames": 20,
+    "time.end": 2e-6,
+    "record.frames": 10,
     "record.last": 0,  # no frames beside these
     "record.recorders": ["vtkhdf"],
 }

@@ -27,7 +27,7 @@ def test_stopped_run_exits_130_and_the_printed_line_goes_on(
 ) -> None:
     """What a run does on either signal is asked in test_kill.py."""
     # shallow, so that a run this long swings without the contact of so coarse a mesh adding energy
-    changes = {"time.end": 4e-5, "record.frames": 100, "supports.1.uy.to": -0.05}
+    changes = {"time.end": 2e-5, "record.frames": 50, "supports.1.uy.to": -0.05}
     (tmp_path / "scene.toml").write_text(small_scene(changes).toml())
     folder = tmp_path / "run"
     words = ["run", str(tmp_path / "scene.toml"), "--set", "level=1", "--out", str(folder)]

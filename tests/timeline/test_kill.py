@@ -101,7 +101,7 @@ def fork_server() -> Iterator[ForkServer]:
 
 @pytest.fixture(scope="module")
 def scene(small_scene: MakeScene) -> Any:
-    return small_scene({"contacts.0.friction": {"use": "coulomb", "mu": 0.2}, "record.frames": 40})
+    return small_scene({"contacts.0.friction": {"use": "coulomb", "mu": 0.2}, "record.frames": 20})
 
 
 @pytest.mark.parametrize("kills", [KILLS, pytest.param(20, marks=pytest.mark.full)])

@@ -29,7 +29,7 @@ PLASTIC = {f"materials.soft.{key}": value for key, value in {
 RATE = {"materials.soft.use": "hypoelastic"}
 CONSISTENT = {"use": "central-difference", "forces": "consistent"}
 STATICS = {"integrator": {"use": "newton", "steps": 8}, "time.end": 1.0, "supports.1.uy.to": -0.02}
-IMPLICIT = {"integrator": {"use": "implicit-dynamics", "steps": 20}, "supports.1.uy.to": -0.02}
+IMPLICIT = {"integrator": {"use": "implicit-dynamics", "steps": 12}, "supports.1.uy.to": -0.02}
 THROWN = {
     "supports": [{"on": "block.bottom", "ux": 0.0, "uy": 0.0}], "time.end": 1e-6,
     "bodies.disc.velocity": [0.0, -4e4], "bodies.disc.shift": [0.0, 0.01],
