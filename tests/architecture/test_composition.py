@@ -73,6 +73,7 @@ BARE = {
     "materials.steel.use": "linear-elastic", "materials.soft.use": "linear-elastic",
 }  # fmt: skip
 LOADED = {
+    "record.recorders": ["vtkhdf"],
     "contacts.0.friction": {"use": "coulomb", "mu": 0.2},
     "effects": [{"use": "gravity", "acceleration": [0.0, -9810.0]}],
     "loads": [{"on": "block.left", "pressure": 1.0}],

@@ -135,10 +135,10 @@ PROBE = """
 import json, sys
 import contactlab
 from contactlab.scene.scene import Scene
-scene = Scene.from_data(json.loads(sys.argv[1]))
-results = contactlab.simulate(scene)
-assert results.status == "finished", results.reason
-print(json.dumps(sorted(sys.modules)))
+for data in json.loads(sys.argv[1]):
+    results = contactlab.simulate(Scene.from_data(data))
+    assert results.status == "finished", results.reason
+    print(json.dumps(sorted(sys.modules)))
 """
 
 # The push does work of 0.11 N mm per mm of depth. Contact makes another 0.0021 in the first step, however small
@@ -151,13 +151,12 @@ SHORT = {
 }
 
 
-def imported(scene: Scene) -> set[str]:
-    """Modules of a fresh process that has run the scene for a few steps."""
-    done = subprocess.run(
-        [sys.executable, "-c", PROBE, json.dumps(scene.data)], capture_output=True, text=True, check=False
-    )
+def imported(*scenes: Scene) -> list[set[str]]:
+    """Modules of a fresh process after it has run each of the scenes for a few steps."""
+    data = json.dumps([scene.data for scene in scenes])
+    done = subprocess.run([sys.executable, "-c", PROBE, data], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    return set(json.loads(done.stdout.splitlines()[-1]))
+    return [set(json.loads(line)) for line in done.stdout.splitlines()[-len(scenes) :]]
 
 
 def working(modules: Iterable[str]) -> set[str]:
@@ -178,17 +177,17 @@ def test_a_run_imports_the_packages_that_explain_lists(changes: dict[str, Any]) 
     wanted = scene(SHORT | changes)
     packages = {row.package for row in explain(wanted, default_registry()).modules}
     listed = {package for package in packages if package.startswith("contactlab_")}
-    assert working(imported(wanted)) == listed
+    assert [working(found) for found in imported(wanted)] == [listed]
 
 
-def test_a_run_without_contact_or_report_imports_neither() -> None:
-    found = imported(without_contact().with_(SHORT))
+def test_runs_import_no_contact_no_report_and_no_solvers_of_scipy_that_they_do_not_need() -> None:
+    """A run without contact, and then a small explicit one: solvers take a fifth of a second to be imported.
+
+    Neither for its pace nor for its kernels nor to judge its end.
+    """
+    small = scene({"bodies.disc.mesh.cells": [8, 2], "bodies.block.mesh.cells": [12, 2]})
+    found, modules = imported(without_contact().with_(SHORT), small)
     assert working(found) == {"contactlab_dynamics", "contactlab_quads", "contactlab_solids"}
     for heavy in ("matplotlib", "rich", "rerun", "meshio"):
         assert heavy not in found, f"{heavy} was imported by a run that draws nothing"
-
-
-def test_a_small_explicit_run_imports_no_solvers_of_scipy() -> None:
-    """Neither for its pace nor for its kernels nor to judge its end: they take a fifth of a second to be imported."""
-    modules = imported(scene({"bodies.disc.mesh.cells": [8, 2], "bodies.block.mesh.cells": [12, 2]}))
     assert not {"scipy.sparse", "scipy.spatial", "scipy.special"} & modules  # numba takes scipy.linalg for its BLAS

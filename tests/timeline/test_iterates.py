@@ -23,7 +23,11 @@ from contactlab.run.simulation import simulate
 MakeScene = Callable[..., Any]
 STATICS = {"integrator": {"use": "newton", "steps": 6}, "time.end": 1.0, "supports.1.uy.to": -0.05}
 # two iterations are too few once contact has spread: attempts are taken back
-CUT = STATICS | {"integrator": {"use": "newton", "steps": 6, "iterations": 2}, "supports.1.uy.to": -0.15, "record.frames": 20}
+CUT = STATICS | {
+    "integrator": {"use": "newton", "steps": 6, "iterations": 2},
+    "supports.1.uy.to": -0.15,
+    "record.frames": 20,
+}
 STORED = 2.0**-20  # of the largest displacement: half of the last place that is kept
 SINGLE = 2.0**-24  # of each number
 

@@ -551,9 +551,7 @@ def test_comparison_has_all_runs_on_one_cursor(small_scene: MakeScene, tmp_path:
 # --- runs that end early --------------------------------------------------------------------------
 
 
-def test_failed_run_says_so_at_its_end(
-    small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_failed_run_says_so_at_its_end(small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("contactlab.run.contact_guard.TOO_DEEP", 1e-4)  # surfaces may hardly lie in each other
     run = simulate(small_scene(BOTH), tmp_path / "run")
     assert run.status == "diverged"

@@ -66,7 +66,7 @@ def test_a_matrix_is_judged_and_found_again(tmp_path: Path, capsys: pytest.Captu
 def test_a_choice_is_made_of_keys_that_a_run_takes(tmp_path: Path) -> None:
     """Every finer mesh of the bars is refused, so that no error can be measured: there is a choice all the same."""
     with runs_inline():
-        found = contactlab.choose("two-bars", 0.05, search=10.0, jobs=1)
+        found = contactlab.choose("two-bars", 0.05, search=5.0, jobs=1)
     assert found.verdict == "cannot"
     assert found.error_interval is None
     assert "no configuration finished on two meshes" in found.why

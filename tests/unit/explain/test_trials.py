@@ -53,7 +53,8 @@ def test_a_whole_run_costs_what_it_cost(scene: Scene) -> None:
 
 def test_what_the_trial_misses_is_said_before_the_run(own_cache: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Strains of half: with a law for small ones the run would warn, and `explain` says so beforehand."""
-    settings = ["level=1", "integrator=newton", "materials.soft.use=linear-elastic"]
+    settings = ["integrator=newton", "materials.soft.use=linear-elastic", "bodies.disc.mesh.cells=[8, 2]"]
+    settings += ["bodies.block.mesh.cells=[12, 2]", "record.recorders=[]"]
     assert main(["explain", "disc-on-block", "--json", *(word for text in settings for word in ("--set", text))]) == 0
     (told,) = json.loads(capsys.readouterr().out)["missing"]
     assert "body block: strains reach" in told
