@@ -356,7 +356,8 @@ def test_a_stopped_run_returns_1_and_its_folder_can_be_read(tmp_path: Path, caps
 
     out = tmp_path / "out"
     words = ["run", "vertex-to-vertex", "--set", "contacts.0.algorithm=node-on-segment"]
-    words += ["--set", "integrator.forces=frozen", "--set", "record.recorders=[vtkhdf]", "--out", str(out)]
+    words += ["--set", "integrator.forces=frozen", "--set", "record.recorders=[vtkhdf]", "--set", "record.last=0"]
+    words += ["--out", str(out)]
     assert main(words) == 1
     summary = json.loads((out / "summary.json").read_text())
     assert summary["status"] == "diverged"
