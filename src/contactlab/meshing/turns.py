@@ -27,6 +27,8 @@ def facet_lengths(surface: Surface, reference: Floats) -> Floats:
     begin, end = (reference[surface.nodes[surface.segments[:, k]]] for k in range(2))
     length, angle = np.hypot(*(end - begin).T), turns(surface, reference)
     found = np.full((2, len(angle)), np.nan)
+    if not angle.any():
+        return found[0]
     for side in range(2):
         at, way = np.arange(len(angle)), np.zeros(len(angle))
         for _ in range(NEAR):
