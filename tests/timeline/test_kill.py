@@ -259,7 +259,7 @@ def test_full_disk_keeps_what_was_written(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     # few frames are asked for, more are stored during the hold: room is made several times
-    scene = small_scene({"time.end": "auto", "time.ramp": 1e-6, "time.hold": 5e-6, "record.frames": 5})
+    scene = small_scene({"time.end": "auto", "time.ramp": 1e-6, "time.hold": 2.5e-6, "record.frames": 5})
     assert fork_server.run(scene, tmp_path / "whole").status == 0
     whole = contactlab.load_results(tmp_path / "whole")
     monkeypatch.setattr("contactlab.results.vtkhdf.pack", lambda path: None)  # a file that grows is not compressed
