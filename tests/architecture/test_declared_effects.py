@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tracemalloc
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -136,7 +137,7 @@ import json, sys
 import contactlab
 from contactlab.scene.scene import Scene
 for data in json.loads(sys.argv[1]):
-    results = contactlab.simulate(Scene.from_data(data))
+    results = contactlab.simulate(Scene.from_data(data), *sys.argv[2:])
     assert results.status == "finished", results.reason
     print(json.dumps(sorted(sys.modules)))
 """
@@ -151,10 +152,10 @@ SHORT = {
 }
 
 
-def imported(*scenes: Scene) -> list[set[str]]:
-    """Modules of a fresh process after it has run each of the scenes for a few steps."""
+def imported(*scenes: Scene, out: Iterable[str] = ()) -> list[set[str]]:
+    """Modules of a fresh process after it has run each of the scenes for a few steps, into the folder `out` if any."""
     data = json.dumps([scene.data for scene in scenes])
-    done = subprocess.run([sys.executable, "-c", PROBE, data], capture_output=True, text=True, check=False)
+    done = subprocess.run([sys.executable, "-c", PROBE, data, *out], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return [set(json.loads(line)) for line in done.stdout.splitlines()[-len(scenes) :]]
 
@@ -178,6 +179,12 @@ def test_a_run_imports_the_packages_that_explain_lists(changes: dict[str, Any]) 
     packages = {row.package for row in explain(wanted, default_registry()).modules}
     listed = {package for package in packages if package.startswith("contactlab_")}
     assert [working(found) for found in imported(wanted)] == [listed]
+
+
+def test_a_run_without_contact_that_records_imports_no_contact(tmp_path: Path) -> None:
+    (found,) = imported(without_contact().with_(SHORT), out=[str(tmp_path / "run")])
+    assert "contactlab_rerun" in working(found)
+    assert not {"contactlab.contact.pair", "contactlab.kernels.contact"} & found
 
 
 def test_runs_import_no_contact_no_report_and_no_solvers_of_scipy_that_they_do_not_need() -> None:

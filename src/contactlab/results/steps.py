@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -11,14 +11,9 @@ from contactlab.api import FactoredRows, Floats, FrictionBound, Step
 from contactlab.api.compiled.bound_arrays import BoundArrays
 from contactlab.api.compiled.friction import STICKS
 from contactlab.api.state import WORK
-from contactlab.contact.pair import ContactPair
 from contactlab.kernels.step_scalars import ACTIVE, CONTACT, MODEL, STICKING, model_scalars, step_scalars
 from contactlab.model.model import Model
 from contactlab.results.step_columns import COUNTS
-
-if TYPE_CHECKING:
-    from contactlab.contact.explicit_system import ContactSystem
-    from contactlab.contact.implicit_system import ImplicitContactSystem
 
 SAVED = "recorded.states"
 COSTS = slice(COUNTS.index("cost.elements"), len(COUNTS))
@@ -98,14 +93,14 @@ def _with_rows(sampler: StepSampler, model: Model) -> Sample:
     bound, works = _bound_model(sampler.rows, model), len(WORK)
     address, elements, solving = bound.address, model.seconds, contact.seconds
     rows, factored = contact.rows, contact.factored
-    bound_rows = _bound_rows(sampler, model, contact)
+    bound_rows = _bound_rows(sampler, model)
     rows_address = bound_rows.address
 
     def sample(step: Step, dt: float) -> None:
         nonlocal elements, solving, rows, factored, bound_rows, rows_address
         if contact.rows is not rows or contact.factored is not factored:  # they were reallocated with more room
             rows, factored = contact.rows, contact.factored
-            bound_rows = _bound_rows(sampler, model, contact)
+            bound_rows = _bound_rows(sampler, model)
             rows_address = bound_rows.address
         row, of_elements, of_contact = sampler.count, model.seconds - elements, contact.seconds - solving
         elements, solving = model.seconds, contact.seconds
@@ -136,7 +131,7 @@ def _with_conditions(sampler: StepSampler, model: Model) -> Sample:
         before, now = sampler.states
         for pair in contact.pairs:
             own = pair.own
-            now[own], penetration = _conditions_of(contact.conditions, pair)
+            now[own], penetration = _conditions_of(contact.conditions, own, pair.lagged)
             active, sticking = np.count_nonzero(now[own]), np.count_nonzero(now[own] == STICKING)
             sampler.rows[row, at : at + 4] = active, sticking, penetration, np.count_nonzero(now[own] != before[own])
             at += 4
@@ -148,16 +143,15 @@ def _with_conditions(sampler: StepSampler, model: Model) -> Sample:
     return sample
 
 
-def _conditions_of(c: Any, pair: ContactPair) -> tuple[np.ndarray, float]:
-    """Find the states of the conditions of one pair, and its penetration."""
-    own = pair.own
+def _conditions_of(c: Any, own: slice, lagged: float) -> tuple[np.ndarray, float]:
+    """Find the states of the conditions `own` of one pair, and its penetration; `lagged` is that of its friction."""
     pressed = c.force[0, own]
     pulled = np.abs(c.force[-1, own]) if len(c.force) > 1 else np.zeros_like(pressed)
     active = (pressed > 0.0) | (pulled > 0.0)
     sticking = np.zeros_like(active)
     if c.bound.shape[1]:
         bound, _ = FrictionBound(*c.bound[:, own]).limits(pressed, c.measure[own])
-        sticking = active & (pulled < np.minimum(STICKS * bound, bound - pair.lagged * pressed.max(initial=0.0)))
+        sticking = active & (pulled < np.minimum(STICKS * bound, bound - lagged * pressed.max(initial=0.0)))
     deepest = np.where(c.present[own], -c.gap[own], 0.0).max(initial=0.0)
     return np.where(sticking, STICKING, active * ACTIVE), float(deepest)
 
@@ -173,7 +167,9 @@ def _bound_model(buffer: Floats, model: Model) -> BoundArrays:
     return BoundArrays(MODEL, buffer, model.state.buffer, model.mass, np.array(begins, np.int64), starts, dofs)
 
 
-def _bound_rows(sampler: StepSampler, model: Model, contact: ContactSystem | ImplicitContactSystem) -> BoundArrays:
+def _bound_rows(sampler: StepSampler, model: Model) -> BoundArrays:
+    contact = model.contact
+    assert contact is not None
     pairs, r, factored = contact.pairs, contact.rows, contact.factored or FactoredRows.allocate(0, 0)
     starts = np.array([*(pair.first_slot for pair in pairs), pairs[-1].own.stop], np.int32)
     of_rows = (r.start, r.node, r.normal_weight, r.slot, r.measure, r.offset, r.bound, factored.slot, factored.left)
