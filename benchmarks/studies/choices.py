@@ -27,6 +27,7 @@ from choice_scenes import Asked
 from contactlab.accuracy.choose import Chosen, Wish, choose_plan
 from contactlab.accuracy.configuration import (
     Configuration,
+    algorithms_for,
     elements_for,
     exchangeable,
     integrators_for,
@@ -94,7 +95,9 @@ def _all(judge: Trials, found: Chosen) -> Plan:
     if chosen.steps:
         every += [replace(each, steps=chosen.steps) for each in every if judge.is_static(each)]
         judge.steps = 2 * chosen.steps
-    alike = replace(chosen, steps=2 * chosen.steps)
+    names = [chosen.algorithm, *algorithms_for(scene, registry)]
+    exact = next(name for name in names if name in judge.exact)  # the others are no reference
+    alike = replace(chosen, algorithm=exact, steps=2 * chosen.steps)
     kinds = [replace(alike, element=e, smooth=s) for e in {chosen.element, "", "q2"} for s in {chosen.smooth, None}]
     fine: list[Place] = [(each, n) for each in can(kinds) for n in (4, 8, 16)]
     yield from judge.run([(chosen, found.level)], 1.0)
