@@ -295,7 +295,7 @@ def test_surfaces_that_cross_or_stay_too_close_are_refused(monkeypatch: pytest.M
     crossed[pair.slave.nodes[0], 1] = -0.1
     plan: Any = SimpleNamespace(slave=pair.slave, master=pair.master, where="", opened=0.0)
     with pytest.raises(RequestError, match="slave and master intersect before the run"):
-        potential_start.begin_open(plan, pair, crossed)
+        potential_start.begin_open(plan, pair, crossed, model.state)
     monkeypatch.setattr(potential_start, "ROUNDS", 1)
     with pytest.raises(RequestError, match=r"surfaces cannot be opened(?s:.*)0.0667 mm too close after 1 rounds"):
         build(scene, scene.registry)

@@ -25,6 +25,8 @@ class State:
     multipliers     (1 or 2, k)  nodal contact forces y, normal and (with friction) tangential [N]
     multipliers_before (k,)  normal multipliers one step earlier [N]
     contact_force   (N, 2)  contact forces on the nodes over the last step [N]
+    release         (k,)    how far multipliers of statics came free in the last step, from 0 (merged) to 1
+    release_pace    (2,)    what the present and the last step add to it
     history.BODY    history of each body whose law has any, all its blocks one after another
     memory.CONTACT  memory of a contact algorithm that declares any
     friction.CONTACT  (n, 2) friction of a potential at the end of the step, on the nodes of both sides [N]

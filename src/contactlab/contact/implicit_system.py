@@ -38,11 +38,10 @@ class ImplicitContactSystem:
                   `Trial.multipliers`. `evaluate` clears slots without a constraint, `LineSearch` adds corrections;
                   rarely, starts of an iteration, friction without a bound yet, and impulses at the end of a step
                   write to it
-    pace          release fraction of multipliers merged at the start of a step: 1, or less in
-                  load steps that had to be cut (forces jump on release: a shorter step alone would not help)
-    freedom       (k,) release of the model's multipliers in the last accepted step, from 0 (merged) to 1
-    gradual       True if the last accepted step released in part: what it freed is merged later than what comes free,
-                  also in the step that frees all
+    release       (k,) how far multipliers came free in the last accepted step, from 0 (merged) to 1; in the state
+    pace          (2,) in the state: what a step adds to it, 1, or less in load steps that had to be cut (forces jump on
+                  release: a shorter step alone would not help), and what the last accepted step added. What came free
+                  in part is merged later than what comes free, also in the step that frees all
     tenth         [s] a tenth of the loading or the time, by which potentials see how long a step is; inf if unknown
     """
 
@@ -67,8 +66,11 @@ class ImplicitContactSystem:
         self.multipliers = state["multipliers"]
         self.conditions = _conditions(pairs, self.multipliers, self.friction)
         self.started = np.zeros_like(self.multipliers)
-        self.pace, self.tenth, self.gradual = 1.0, np.inf, False
-        self.freedom = np.ones(self.multipliers.shape[1])
+        self.tenth = np.inf
+        fields = state.fields  # of statics alone
+        self.release = fields.get("release", np.empty(self.multipliers.shape[1]))
+        self.pace = fields.get("release_pace", np.empty(2))
+        self.release[:] = self.pace[:] = 1.0
         self.start = np.zeros((nodes, 2))
         self.flexibility = np.ones((nodes, 2))
         self.rows = Rows.allocate(self.multipliers.shape[1], 32, self.friction)
@@ -113,16 +115,16 @@ class ImplicitContactSystem:
 
     def _release(self, time: float) -> None:
         """Free multipliers, in full or in part: a release changes gaps and forces immediately."""
-        for coupling, freedom in self._couplings():
-            if self.pace < 1.0 or self.gradual:
-                coupling.untie(freedom)
+        for coupling, release in self._couplings():
+            if (self.pace < 1.0).any():
+                coupling.untie(release)
             else:
                 coupling.let_go()
-        if self.pace >= 1.0:
+        if self.pace[0] >= 1.0:
             return
         self._evaluate_start(time)
-        for coupling, freedom in self._couplings():
-            coupling.hold(self._freed(coupling, freedom))
+        for coupling, release in self._couplings():
+            coupling.hold(self._freed(coupling, release))
 
     def _evaluate_start(self, time: float) -> None:
         """Fill `conditions` at the start of a step that ends at `time` [s]."""
@@ -134,11 +136,11 @@ class ImplicitContactSystem:
         """Yield the couplings of the pairs, and the release of their multipliers in the last accepted step."""
         for pair in self.passes:
             if isinstance(pair, OperatorPair):
-                yield pair.coupling, self.freedom[pair.own]
+                yield pair.coupling, self.release[pair.own]
 
-    def _freed(self, coupling: Coupling, freedom: Floats) -> Floats:
+    def _freed(self, coupling: Coupling, release: Floats) -> Floats:
         """Return the release (k,) of multipliers after a step that frees them at `pace`, 0 if they are merged."""
-        return np.where(coupling.free, np.minimum(freedom + self.pace, 1.0), 0.0)
+        return np.where(coupling.free, np.minimum(release + self.pace[0], 1.0), 0.0)
 
     def accept(self) -> None:
         """Move the memory of the last evaluation into the state."""
@@ -148,9 +150,9 @@ class ImplicitContactSystem:
             linear.accept()
         for pair, sliding in self.varying:
             sliding.accept(pair.cover, self.conditions.slip[pair.own], self.multipliers[0, pair.own], pair.idle)
-        for coupling, freedom in self._couplings():
-            freedom[:] = self._freed(coupling, freedom)
-        self.gradual = self.pace < 1.0
+        for coupling, release in self._couplings():
+            release[:] = self._freed(coupling, release)
+        self.pace[1] = self.pace[0]
         self._write_rows()
 
     def _write_rows(self) -> None:

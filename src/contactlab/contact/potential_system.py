@@ -2,33 +2,24 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from time import perf_counter
 from typing import ClassVar
 
-from contactlab.api import ContactDerivatives, Floats, ImplicitEnforcement, Ints, State
+from contactlab.api import ContactDerivatives, Floats, Ints
 from contactlab.contact.implicit_system import ImplicitContactSystem
-from contactlab.contact.pair import ContactPair
 from contactlab.contact.potential_pair import PotentialPair
 
 
 class PotentialSystem(ImplicitContactSystem):
-    """`ImplicitContactSystem` with `potentials`, pairs that set no constraints."""
+    """`ImplicitContactSystem` with `potentials`, which set no constraints."""
 
     by_energy: ClassVar[bool] = True
 
-    def __init__(
-        self,
-        pairs: tuple[ContactPair, ...],
-        enforcement: ImplicitEnforcement,
-        state: State,
-        time: Floats,
-        consistent: bool,
-    ) -> None:
-        super().__init__(pairs, enforcement, state, time, consistent)
-        self.potentials = tuple(pair for pair in pairs if isinstance(pair, PotentialPair))
-        for pair in self.potentials:
-            if pair.friction is not None:
-                pair.kept = state[f"friction.{pair.name}"]
+    @cached_property
+    def potentials(self) -> tuple[PotentialPair, ...]:
+        """Pairs whose forces come from an energy."""
+        return tuple(pair for pair in self.passes if isinstance(pair, PotentialPair))
 
     @property
     def stored_since_start(self) -> float:

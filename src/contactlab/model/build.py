@@ -70,7 +70,8 @@ def _built(scene: Scene, registry: Registry) -> Model:
         from contactlab.model.loading.approach import check_approach
 
         check_approach(scene, bodies, rigid, reference, prescribed, timing.last)
-    state = State(_shapes(len(reference), bodies, integrator, _contact_shapes(plans, len(reference)), made, timing))
+    contact_shapes = _contact_shapes(plans, len(reference), integrator)
+    state = State(_shapes(len(reference), bodies, integrator, contact_shapes, made, timing))
     position = reference.copy()
     increment = np.zeros_like(reference) if any(b.material.kinematics == "rate" for b in bodies) else None
     # the work of all bodies, distributed to the threads one body after the other
@@ -163,12 +164,12 @@ def _contact_plans(
     return plans, bodies
 
 
-def _contact_shapes(plans: tuple[Any, ...], nodes: int) -> Mapping[str, tuple[int, ...]]:
+def _contact_shapes(plans: tuple[Any, ...], *of: Any) -> Mapping[str, tuple[int, ...]]:
     if not plans:
         return {}
     from contactlab.model.contact.plan import contact_shapes
 
-    return contact_shapes(plans, nodes)
+    return contact_shapes(plans, *of)
 
 
 def _joints(plans: tuple[Any, ...], reference: Floats) -> Joints:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, Protocol, cast
+from typing import Protocol, cast
 
 import numpy as np
 
@@ -18,9 +18,6 @@ from contactlab.run.load_path import LoadPath, TimePath, corners, load_jumps
 from contactlab.run.schedule import SHORTEST_CONTROLLED, Schedule
 from contactlab.run.stabilised_steps import CUTS, JUMP, StabilisedSteps
 from contactlab.run.swings import Swing, frame_warnings, step_warnings
-
-if TYPE_CHECKING:
-    from contactlab.contact.implicit_system import ImplicitContactSystem
 
 CUT, GROW = 0.5, 2.0  # of the step that failed, after one that converged easily
 FLOWING = 0.3, 1.5  # the same of bodies that flow: their steps start from the last one, and are best like it
@@ -102,7 +99,8 @@ class LoadSchedule(Schedule):
 
     def _step_errors(self) -> Iterator[StepError]:
         """What estimates the errors of this run by the length of its steps."""
-        model, contact = self.model, self._contact()
+        model = self.model
+        contact = None if model.integrator.inertia else cast("ImplicitModel", model).contact
         if contact is not None and any(linear.pair.friction is not None for linear in contact.linear):
             from contactlab.run.friction_error import FrictionError
 
@@ -309,16 +307,10 @@ class LoadSchedule(Schedule):
     def adapt(self) -> None:
         """Do nothing: only its convergence limits an implicit step."""
 
-    def _contact(self) -> ImplicitContactSystem | None:
-        """The contact of statics, whose multipliers are released gradually if steps had to be cut."""
-        if self.model.integrator.inertia:
-            return None
-        return cast("ImplicitContactSystem | None", self.model.contact)
-
     def _release(self, pace: float) -> None:
-        """Say how far multipliers come free in the next step."""
-        if (contact := self._contact()) is not None:
-            contact.pace = pace
+        """Say how far multipliers of statics come free in the next step."""
+        if "release_pace" in self.state:
+            self.state["release_pace"][0] = pace
 
     def _length(self) -> float:
         """The step in time; the last before a corner of the loading or the end meets it, without a sliver before."""
@@ -375,8 +367,6 @@ class LoadSchedule(Schedule):
     def saved(self) -> dict[str, Floats]:
         """Everything that changes during the run."""
         own = {"schedule.load": np.array([self.part, self.model.way_followed, self.crept, *self.stabilised.saved()])}
-        if (contact := self._contact()) is not None:
-            own["schedule.freedom"] = np.append(contact.freedom, [contact.pace, contact.gradual])
         own |= {f"schedule.{name}": a.copy() for error in self.step_errors for name, a in error.memory.items()}
         return super().saved() | own
 
@@ -387,9 +377,6 @@ class LoadSchedule(Schedule):
         self.part, self.model.way_followed = float(load[0]), bool(load[1])
         self.crept = int(load[2])
         self.stabilised.restore(load[3:])
-        if (contact := self._contact()) is not None:
-            *freedom, contact.pace, gradual = memory["schedule.freedom"].tolist()
-            contact.freedom[:], contact.gradual = freedom, bool(gradual)
         for error in self.step_errors:
             for name, array in error.memory.items():
                 array[:] = memory[f"schedule.{name}"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,9 +19,6 @@ from contactlab.run.load_steps import CUT, LoadSchedule, repeats
 from contactlab.run.prepare import prepare_run
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene, load_scene
-
-if TYPE_CHECKING:
-    from contactlab.contact.implicit_system import ImplicitContactSystem
 
 FAILED = StepStatus.not_converged
 
@@ -152,19 +149,19 @@ def test_multipliers_come_free_evenly_before_a_corner() -> None:
     uy = {"ramp": "linear", "to": -0.01}
     scene = disc(**{"time.end": 1.0, "integrator": {"use": "newton", "steps": 10}, "supports.1.uy": uy})
     model = build(scene, scene.registry)
-    clock, contact = model.state["clock"], cast("ImplicitContactSystem", model.contact)
+    clock, pace = model.state["clock"], model.state["release_pace"]
     clock[0] = 0.96
     schedule = LoadSchedule(model, scene)
-    assert contact.pace == 1.0  # nothing was cut
+    assert pace[0] == 1.0  # nothing was cut
     paces = []
     for k in range(3):
         schedule.cut(attempt(0.1**k))
-        paces.append(contact.pace)
+        paces.append(pace[0])
     # 0.04 are left: in two, four and eight steps, where a wished one would be 2.5 times as long
     assert paces == pytest.approx([1 / 2, 1 / 4, 1 / 8], rel=1e-6)
     freedom = 0.0
     while clock[0] < 1.0 - 1e-9:
-        before, freedom = freedom, min(1.0, freedom + contact.pace)
+        before, freedom = freedom, min(1.0, freedom + pace[0])
         assert freedom - before <= 0.5 + 1e-9
         clock[0] += schedule.dt
         schedule.every_step[0](attempt(0.1)._replace(iterations=9), schedule.dt)
@@ -271,25 +268,16 @@ def test_a_run_that_does_not_get_on_is_given_up_after_some_very_short_steps() ->
     assert accepted == 20
 
 
-def test_what_comes_free_by_and_by_is_saved_and_restored() -> None:
-    """A step that was cut frees multipliers at the pace of its length; the wished one, and the last, at once."""
+def test_a_step_that_was_cut_frees_multipliers_at_the_pace_of_its_length() -> None:
+    """The wished step, and the last one, free all at once."""
     scene = disc(**{"time.end": 1.0, "integrator": {"use": "newton", "steps": 10}})
     schedule = LoadSchedule(build(scene, scene.registry), scene)
-    contact: Any = schedule.model.contact
+    pace = schedule.state["release_pace"]
     schedule.part = schedule.wished
     schedule._length()
-    assert contact.pace == 1.0
+    assert pace[0] == 1.0
     schedule.cut(attempt(0.5))
-    assert contact.pace == pytest.approx(CUT)
-    contact.freedom[:] = np.linspace(0.0, 1.0, len(contact.freedom))
-    contact.gradual = True
-    saved = {name: np.array(values) for name, values in schedule.saved().items()}
-    expected, contact.pace = contact.freedom.copy(), 1.0
-    contact.freedom[:], contact.gradual = 0.5, False
-    schedule.restore(saved)
-    assert contact.gradual
-    assert contact.pace == pytest.approx(CUT)
-    np.testing.assert_array_equal(contact.freedom, expected)
+    assert pace[0] == pytest.approx(CUT)
     schedule.state["clock"][0] = 1.0 - 1e-3
     schedule._length()
-    assert contact.pace == 1.0
+    assert pace[0] == 1.0

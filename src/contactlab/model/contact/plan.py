@@ -189,11 +189,13 @@ def _surface(
         ) from problem
 
 
-def contact_shapes(plans: tuple[ContactPlan, ...], nodes: int) -> Mapping[str, tuple[int, ...]]:
+def contact_shapes(plans: tuple[ContactPlan, ...], nodes: int, integrator: Integrator) -> Mapping[str, tuple[int, ...]]:
     """Return state fields of the contacts; nothing tangential without friction."""
     rows, plans = 2 if any(plan.friction is not None for plan in plans) else 1, all_passes(plans)
     shapes: dict[str, tuple[int, ...]] = {"multipliers": (rows, sum(plan.slots for plan in plans))}
     shapes |= {"multipliers_before": shapes["multipliers"][1:], "contact_force": (nodes, 2)}
+    if not integrator.inertia:
+        shapes |= {"release": shapes["multipliers"][1:], "release_pace": (2,)}
     if plans[0].explicit and isinstance(plans[0].enforcement, NormalLaw):
         shapes["contact_slope"] = (3, len(plans))
     law = plans[0].enforcement

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.api import ExplicitIntegrator, Floats, FrictionLaw, Integrator, Potential
+from contactlab.api import ExplicitIntegrator, Floats, FrictionLaw, Integrator, Potential, State
 from contactlab.api.compiled.chains import nodal_normals, segment_normals
 from contactlab.contact.closest import closest_points, first_crossing
 from contactlab.errors import PartError, SceneError, Where, below
@@ -144,8 +144,8 @@ def _open(plan: ContactPlan, bodies: tuple[Body, ...], positions: Floats) -> flo
     )  # fmt: skip
 
 
-def begin_open(plan: ContactPlan, pair: Any, positions: Floats) -> None:
-    """Raise SceneError if surfaces intersect that must not, and store the opening in the pair."""
+def begin_open(plan: ContactPlan, pair: Any, positions: Floats, state: State) -> None:
+    """Raise SceneError if surfaces intersect that must not; give the pair its opening and its friction in the state."""
     from contactlab.contact.potential_pair import Opened
 
     if pair.potential.clearance(pair.view) > 0.0:
@@ -158,3 +158,5 @@ def begin_open(plan: ContactPlan, pair: Any, positions: Floats) -> None:
             )  # fmt: skip
     if plan.opened > 0.0:
         pair.start_gaps, pair.opened = Opened(pair.slots, plan.opened), plan.opened
+    if pair.friction is not None:
+        pair.kept = state[f"friction.{plan.name}"]

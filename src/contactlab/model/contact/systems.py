@@ -226,7 +226,7 @@ def _pair(plan: ContactPlan, before: list[ContactPair], around: Around, time: Fl
         from contactlab.model.contact.potential_start import begin_open, what_lies_behind
 
         pair = plan.pair(reference, first, immobile, what_lies_behind(plan, around.bodies, reference))
-        begin_open(plan, pair, reference)
+        begin_open(plan, pair, reference, around.state)
     else:
         pair = plan.pair(reference, first, immobile)
     if plan.start.overlap == "ramp":
