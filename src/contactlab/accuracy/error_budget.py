@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from contactlab.accuracy.configuration import exchangeable
-from contactlab.accuracy.judged import ForcesJudged, Judge, forces_of, frames_of
+from contactlab.accuracy.judged import ForcesJudged, Judge, forces_of, moves
 from contactlab.api import ExplicitIntegrator, Job, Record
 from contactlab.errors import RequestError
 from contactlab.jobs.run import Run
@@ -110,13 +110,13 @@ def budget_plan(scene: Scene, registry: Registry, told: Told) -> Generator[Seque
     if not scene.contacts:
         raise RequestError("the scene has no contact whose pressure could be compared", where=scene.name,
                            allowed="[[contacts]]")  # fmt: skip
-    scene = scene.with_({"record.frames": max(frames_of(scene, registry), scene.data["record"]["frames"])})
-    base = yield from _run_plan(AS_IT_IS, scene, told)
+    means = moves(scene, registry)
+    base = yield from _run_plan(AS_IT_IS, scene, means, told)
     if not base.finished:
         return ErrorBudget(base.status, base.reason, _cost(base), ())
     scene = as_taken(scene, base.summary)
     knobs = knobs_of(scene, base.summary, registry)
-    finer = yield [_run_plan(knob.name, scene.with_(dict(knob.settings)), told) for knob in knobs]
+    finer = yield [_run_plan(knob.name, scene.with_(dict(knob.settings)), means, told) for knob in knobs]
     judge = Judge()
     judge.pressures(base)  # the lines along which pressures are compared
     shares = [
@@ -127,8 +127,8 @@ def budget_plan(scene: Scene, registry: Registry, told: Told) -> Generator[Seque
     return ErrorBudget(base.status, base.reason, _cost(base), shares)
 
 
-def _run_plan(name: str, scene: Scene, told: Told) -> Generator[Sequence[Run], Sequence[Record], Record]:
-    job = Job(name, "", curves="last")
+def _run_plan(name: str, scene: Scene, means: bool, told: Told) -> Generator[Sequence[Run], Sequence[Record], Record]:
+    job = Job(name, "", curves="last", means=means)
     (record,) = yield [Run(job, scene, name, place=f"{RUNS}/{name.replace(' ', '-')}", timed=True)]
     told(f"{name}: {record.status}")
     return record

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contactlab.api import ContactCurve, Floats, Record
+from contactlab.jobs.mean_forces import MEANS
 from contactlab.parts.registry import Registry
 from contactlab.scene.scene import Scene
 from contactlab.studies.profile import FoldedSurfaceError, Profile, Window, distance, norm
@@ -17,8 +18,6 @@ COUNTS = 0.02
 """Norm of a contact's pressure over the largest of all contacts from which on it is judged."""
 NOTHING = 1e-3
 """Force at the end over the largest mean in time below which it is none."""
-FRAMES = 200
-"""Stored frames of runs whose motion in time counts, for mean forces."""
 
 
 @dataclass(frozen=True)
@@ -107,27 +106,28 @@ def forces_of(record: Record, exchanged: Collection[int] = ()) -> Floats:
     Forces of contacts count on the slave: those of exchanged contacts (numbers) are turned round.
     """
     contacts = record.summary.get("contacts", {})
-    turned = {name for number, name in enumerate(contacts) if number in exchanged}
+    sign = np.array([-1.0 if number in exchanged else 1.0 for number in range(len(contacts))])[:, None]
     forces = [*record.summary.get("reactions", {}).values()]
-    forces += [np.multiply(facts["resultant"], -1.0 if name in turned else 1.0) for name, facts in contacts.items()]
+    forces += list(sign * np.array([facts["resultant"] for facts in contacts.values()], float).reshape(-1, 2))
     final = np.array(forces, float).ravel()
-    names = [name for name in record.history if name.endswith((".fx", ".fy"))]
-    sign = np.array([-1.0 if name[:-3] in turned else 1.0 for name in names])
-    means = sign * np.array([np.mean(record.history[name]) for name in names], float)
-    largest = np.abs(means).max(initial=0.0)
-    return means if np.abs(final).max(initial=0.0) <= NOTHING * largest else final
+    if MEANS not in record.watched:
+        return final
+    means = np.concatenate([record.watched[MEANS]["reaction"], (sign * record.watched[MEANS]["contact"]).ravel()])
+    return means if np.abs(final).max(initial=0.0) <= NOTHING * np.abs(means).max(initial=0.0) else final
 
 
-def frames_of(scene: Scene, registry: Registry) -> int:
-    """Frames to store of a run whose forces are compared: many if their means in time may be needed."""
+def moves(scene: Scene, registry: Registry) -> bool:
+    """Return whether runs of a scene may end with nothing pressed, so that means in time of forces are compared."""
     inertia = registry.part_class("integrator", scene.integrator["use"]).inertia
-    return FRAMES if inertia and scene.data["time"].get("end") != "auto" else 1
+    return bool(inertia) and scene.data["time"].get("end") != "auto"
 
 
 class PressuresJudged:
     """Compares pressures of runs."""
 
     what = "contact pressure in L2"
+    safety = 1.0
+    """Times the error that the fitted order leaves: what counts as uncertain."""
 
     def __init__(self, judge: Judge) -> None:
         self.apart = judge.apart
@@ -152,6 +152,8 @@ class ForcesJudged:
     """Compares reactions and contact forces of runs."""
 
     what = "forces only"
+    safety = 1.25
+    """A few numbers may be close on three meshes by chance (Roache 1994, for an order found by three meshes)."""
 
     @staticmethod
     def value(pressures: Pressures, forces: Floats) -> Floats:

@@ -128,7 +128,8 @@ def truth_of(ladders: Sequence[Ladder], judged: Judged, climbers: int) -> Truth 
     from the mean), of these distances, and of the distances of the best runs with other elements or slaves beyond twice
     their own errors.
     """
-    pairs = sorted(ranked([each for each in ladders if len(each.values) > 1], judged), key=lambda pair: pair[0])
+    known = ranked([each for each in ladders if len(each.values) > 1], judged)
+    pairs = sorted(((judged.safety * left, ladder) for left, ladder in known), key=lambda pair: pair[0])
     if not pairs:
         return None
     best = beside(pairs, climbers)

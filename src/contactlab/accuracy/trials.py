@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from contactlab.accuracy.configuration import Configuration
-from contactlab.accuracy.judged import ForcesJudged, Judge, Judged, PressuresJudged, forces_of, frames_of
+from contactlab.accuracy.judged import ForcesJudged, Judge, Judged, PressuresJudged, forces_of, moves
 from contactlab.accuracy.point import cost_of, spent_on
 from contactlab.accuracy.remaining import Ladder, Truth, truth_of
 from contactlab.api import Job, Record
@@ -86,7 +86,7 @@ class Trials:
         self.all: dict[Place, Trial] = {}
         self.spent = 0.0
         self.stopped = False
-        self.frames = frames_of(scene, registry)
+        self.means = moves(scene, registry)
         self.doubt = 0.0
         self.steps = 0
         self.exact = with_multipliers(registry)
@@ -119,8 +119,8 @@ class Trials:
         limit = min(limit, left, max(self.wish.budget, 2.0 * expected))
         try:
             changes = configuration.changes(self.scene.data, level)
-            job = Job("run", self.scene.data, changes, frames=self.frames, curves="last")
-            scene = self.scene.with_({"record.recorders": [], "record.frames": self.frames, **changes})
+            job = Job("run", self.scene.data, changes, curves="last", means=self.means)
+            scene = self.scene.with_({"record.recorders": [], "record.frames": job.frames, **changes})
             run = Run(
                 job, scene, f"{self.scene.name} {name}", number=number, timed=True,
                 cpu_limit=float(f"{limit:.2g}"), rank=(expected,),

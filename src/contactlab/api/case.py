@@ -63,6 +63,7 @@ class Job:
     fields   True if the record keeps the fields at the end of the run
     frames   number of stored frames
     curves   True if the record keeps the curves of all stored frames, or of the last frame
+    means    True if the record has means in time of reactions and contact forces: `watched["means"]`
     """
 
     name: str
@@ -74,6 +75,7 @@ class Job:
     fields: bool = False
     frames: int = 1
     curves: Literal["all", "last"] = "all"
+    means: bool = False
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,7 @@ import numpy as np
 from contactlab.api import Job, Record, Watch
 from contactlab.errors import PartError, RequestError, SimulationFailure
 from contactlab.jobs.far_end import BEGUN, WORN
+from contactlab.jobs.mean_forces import MEANS, MeanForces
 from contactlab.jobs.processes import Report
 from contactlab.jobs.record import ended, record_of, refused, to_bytes
 from contactlab.jobs.run import Run
@@ -75,7 +76,7 @@ def made(job: Job, scene: Scene, folder: Path | None = None, progress: Progress 
         shutil.rmtree(folder)
         resume = False
     try:
-        watches = watches_of(job, scene.registry)
+        watches = watches_of(job, scene.registry) | ({MEANS: MeanForces()} if job.means else {})
         results = simulate(
             scene, folder, scene.registry, progress, resume, watch=watches, work=job.work, guards=job.guards
         )
