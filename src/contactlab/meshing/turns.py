@@ -26,9 +26,9 @@ def facet_lengths(surface: Surface, reference: Floats) -> Floats:
     """Length (m,) [mm] of the longer facet next to each node of a curve; NaN if no similar turn is near."""
     begin, end = (reference[surface.nodes[surface.segments[:, k]]] for k in range(2))
     length, angle = np.hypot(*(end - begin).T), turns(surface, reference)
-    found = np.full((2, len(angle)), np.nan)
+    found: Floats = np.full((2, len(angle)), np.nan)
     if not angle.any():
-        return found[0]
+        return np.full(len(angle), np.nan)
     for side in range(2):
         at, way = np.arange(len(angle)), np.zeros(len(angle))
         for _ in range(NEAR):
