@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -14,13 +14,12 @@ from contactlab.errors import SceneError
 from contactlab.model.bodies.body import NO_JOINTS, Body, BodyForces, Joints, RigidSurface, positions_of
 from contactlab.model.bodies.build_bodies import build_bodies, masses_of
 from contactlab.model.bodies.thread_blocks import in_order
-from contactlab.model.history import history_of
+from contactlab.model.history import History, history_of
 from contactlab.model.loading.effect_rates import effect_rates
 from contactlab.model.loading.held_bodies import check_supported
 from contactlab.model.loading.load_profile import of_nodes
 from contactlab.model.loading.node_profiles import tell_unresolved
-from contactlab.model.loading.ramps import RampTime
-from contactlab.model.loading.supports import plan_supports
+from contactlab.model.loading.supports import SupportPlan, plan_supports
 from contactlab.model.model import ExplicitModel, Loading, Model
 from contactlab.model.momentum import mirrored_nodes
 from contactlab.model.sizes import check_meshed_size, check_sizes
@@ -37,61 +36,81 @@ def build(scene: Scene, registry: Registry) -> Model:
     Raises SceneError or PartError, with file and key, for anything that does not fit together.
     """
     with part_errors(registry):
-        return _built(scene, registry)
+        return _bound(scene, registry, _planned(scene, registry))
 
 
-def _built(scene: Scene, registry: Registry) -> Model:
+@dataclass(frozen=True)
+class _Plan:
+    """What a scene declares, resolved: meshes and times, before any array that changes in a run.
+
+    contacts   their plans
+    reference  (N, 2) [mm] of all nodes
+    mass       (N,) [t], empty in statics
+    told       warnings so far
+    """
+
+    integrator: Integrator
+    bodies: tuple[Body, ...]
+    rigid: tuple[RigidSurface, ...]
+    contacts: tuple[Any, ...]
+    reference: Floats
+    mass: Floats
+    supports: SupportPlan
+    effects: tuple[Effect, ...]
+    history: History
+    timing: Timing
+    told: list[RunWarning]
+
+
+def _planned(scene: Scene, registry: Registry) -> _Plan:
     check_sizes(scene, registry)
     integrator = registry.make("integrator", scene.integrator, scene.where("integrator"))
-    model_class = _model_class(integrator)
     bodies = build_bodies(scene, registry)
     check_meshed_size(scene, registry, bodies)
     rigid = _rigid_surfaces(scene, bodies)
-    plans, bodies = _contact_plans(scene, registry, bodies, rigid, integrator)
-    if scene.loads and any(isinstance(p.enforcement, NormalLaw) and "traction" in p.enforcement.needs for p in plans):
-        from contactlab.model.contact.traction_behind import refuse_loads
-
-        refuse_loads(plans, scene, bodies)
+    contacts, bodies = _contact_plans(scene, registry, bodies, rigid, integrator)
     reference = positions_of(bodies, rigid)
     mass = masses_of(bodies, rigid) if integrator.inertia else np.zeros(0)
     told: list[RunWarning] = []
     supports = plan_supports(scene, bodies, rigid, reference, told)
     check_supported(scene, bodies, supports, integrator)
-    made = tuple(
+    effects = tuple(
         registry.make("effect", spec, scene.where(f"effects.{number}")) for number, spec in enumerate(scene.effects)
     )
-    enforcements = {plan.name: plan.enforcement for plan in plans}
-    history = history_of(scene, bodies, enforcements, made, integrator)
+    enforcements = {plan.name: plan.enforcement for plan in contacts}
+    history = history_of(scene, bodies, enforcements, effects, integrator)
     timing = find_timing(
-        scene, bodies, reference, mass, supports, integrator, history, lambda: _joints(plans, reference)
+        scene, bodies, reference, mass, supports, integrator, history, lambda: _joints(contacts, reference)
     )
-    prescribed = supports.bind(timing.ramps)
+    return _Plan(integrator, bodies, rigid, contacts, reference, mass, supports, effects, history, timing, told)
+
+
+def _bound(scene: Scene, registry: Registry, plan: _Plan) -> Model:
+    """Make the arrays of a run, bind everything to them, and compute the forces of the start."""
+    integrator, bodies, reference, mass, timing, told = (
+        plan.integrator, plan.bodies, plan.reference, plan.mass, plan.timing, plan.told
+    )  # fmt: skip
+    model_class = _model_class(integrator)
+    prescribed = plan.supports.bind(timing.ramps)
     if scene.contacts:
         from contactlab.model.loading.approach import check_approach
 
-        check_approach(scene, bodies, rigid, reference, prescribed, timing.last)
-    contact_shapes = _contact_shapes(plans, len(reference), integrator)
-    state = State(_shapes(len(reference), bodies, integrator, contact_shapes, made, timing))
+        check_approach(scene, bodies, plan.rigid, reference, prescribed, timing.last)
+    state = State(_shapes(plan))
     position = reference.copy()
     increment = np.zeros_like(reference) if any(b.material.kinematics == "rate" for b in bodies) else None
     # the work of all bodies, distributed to the threads one body after the other
     arrays = (reference, position, increment, state, model_class.explicit)
-    bound: list[BodyForces] = []
+    forces: tuple[BodyForces, ...] = ()
     for body in bodies:
-        bound.append(_bind(body, scene.threads, sum(len(before.blocks) for before in bound), *arrays))
-    forces = tuple(bound)
+        forces += (_bind(body, scene.threads, sum(len(before.blocks) for before in forces), *arrays),)
     _initial_velocity(scene, bodies, reference, mass, state, told)
-    driven = any(supports.moving) or bool(scene.loads or scene.effects)
     contact = _contact(
-        plans, bodies=bodies, forces=forces, reference=reference, position=position, state=state, mass=mass,
-        held=prescribed.dof, ramp=timing.ramp, driven=driven,
+        plan.contacts, bodies=bodies, forces=forces, reference=reference, position=position, state=state, mass=mass,
+        held=prescribed.dof, ramp=timing.ramp,
+        driven=any(plan.supports.moving) or bool(scene.loads or scene.effects),
     )  # fmt: skip
-    split = None
-    if scene.record.contact_work and contact is not None:
-        from contactlab.contact.work_split import split_work
-
-        split = split_work(contact, integrator, state, reference, scene.where("record.contact_work"))
-    effects = _effects(made, scene, registry, bodies, rigid, reference, state, told, timing.ramps)
+    effects = _effects(plan, scene, registry, state)
     loads = _loads(scene, bodies, reference, position, timing.ramps, told)
     # the block calls of all bodies in order of execution
     calls = [call for body in forces for call in body.calls]
@@ -102,30 +121,37 @@ def _built(scene: Scene, registry: Registry) -> Model:
         mass=mass,
         prescribed=prescribed,
         contact=contact,
-        split=split,
+        split=_work_split(scene, integrator, contact, state, reference),
         state=state,
         integrator=integrator,
         bodies=bodies,
         forces=forces,
         timing=timing,
-        history=history,
+        history=plan.history,
         updates=in_order(calls, colours, [thread for body in forces for thread in body.block_threads], scene.threads),
-        loading=Loading(supports.sets, (*loads, *effects), effects),
+        loading=Loading(plan.supports.sets, (*loads, *effects), effects),
         increment=increment,
+        mirror=_mirror(scene, bodies, reference),
     )
     model.warnings.add(*timing.told, *told)
     _needs(model, scene)
-    model.start.mirror = _mirror(scene, bodies, reference)
     model.internal_force(0.0)
-    if model.explicit and effects:
-        size, times = float(np.ptp(reference, axis=0).max()), (0.0, timing.last)
-        rates = effect_rates(effects, state, mass, size, model.stable_step(), times)
+    if model.explicit:
+        _limit_steps(model, scene, plan)
+    return model
+
+
+def _limit_steps(model: Model, scene: Scene, plan: _Plan) -> None:
+    """Find what limits explicit steps beside the bodies: effects, and overlaps that are pushed out."""
+    if model.loading.effects:
+        size, times = float(np.ptp(plan.reference, axis=0).max()), (0.0, plan.timing.last)
+        rates = effect_rates(model.loading.effects, model.state, plan.mass, size, model.stable_step(), times)
         model.loading = replace(model.loading, rates=rates)
-    if model.explicit and any(plan.start.overlap == "ramp" for plan in plans):
+    if any(contact.start.overlap == "ramp" for contact in plan.contacts):
         from contactlab.model.contact.initial_gap import check_ramp_steps
 
-        check_ramp_steps(plans, timing.ramp, scene.time.step or model.step_within(scene.time.fraction))
-    return model
+        step = scene.time.step or model.step_within(scene.time.fraction)
+        check_ramp_steps(plan.contacts, plan.timing.ramp, step)
 
 
 # --- optional parts of a scene are imported where they are declared ------------------------------
@@ -157,19 +183,15 @@ def _contact_plans(
 
     plans = plan_contacts(scene, registry, bodies, rigid, integrator)
     bodies = adjusted_bodies(bodies, rigid, plans)
+    if scene.loads and any(isinstance(p.enforcement, NormalLaw) and "traction" in p.enforcement.needs for p in plans):
+        from contactlab.model.contact.traction_behind import refuse_loads
+
+        refuse_loads(plans, scene, bodies)
     if any(map(by_energy, plans)):
         from contactlab.model.contact.potential_start import opened
 
         return opened(bodies, rigid, plans)
     return plans, bodies
-
-
-def _contact_shapes(plans: tuple[Any, ...], *of: Any) -> Mapping[str, tuple[int, ...]]:
-    if not plans:
-        return {}
-    from contactlab.model.contact.plan import contact_shapes
-
-    return contact_shapes(plans, *of)
 
 
 def _joints(plans: tuple[Any, ...], reference: Floats) -> Joints:
@@ -197,23 +219,22 @@ def _loads(scene: Scene, *arguments: Any) -> Any:
     return build_loads(scene, *arguments)
 
 
-def _effects(
-    made: tuple[Effect, ...],
-    scene: Scene,
-    registry: Registry,
-    bodies: tuple[Body, ...],
-    rigid: tuple[RigidSurface, ...],
-    reference: Floats,
-    state: State,
-    told: list[RunWarning],
-    ramps: RampTime,
-) -> Any:
-    if not made:
+def _work_split(scene: Scene, integrator: Integrator, contact: Any, state: State, reference: Floats) -> Any:
+    if not scene.record.contact_work or contact is None:
+        return None
+    from contactlab.contact.work_split import split_work
+
+    return split_work(contact, integrator, state, reference, scene.where("record.contact_work"))
+
+
+def _effects(plan: _Plan, scene: Scene, registry: Registry, state: State) -> Any:
+    if not plan.effects:
         return ()
     from contactlab.model.loading.effects import build_effects
 
-    mass = partial(masses_of, bodies, rigid)
-    return build_effects(made, scene, registry, bodies, reference, mass, state, told, ramps)
+    bodies, ramps = plan.bodies, plan.timing.ramps
+    mass = partial(masses_of, bodies, plan.rigid)
+    return build_effects(plan.effects, scene, registry, bodies, plan.reference, mass, state, plan.told, ramps)
 
 
 def _needs(model: Model, scene: Scene) -> None:
@@ -246,23 +267,20 @@ def _needs(model: Model, scene: Scene) -> None:
 # --- state --------------------------------------------------------------------------------------
 
 
-def _shapes(
-    nodes: int,
-    bodies: tuple[Body, ...],
-    integrator: Integrator,
-    contact: Mapping[str, tuple[int, ...]],
-    effects: tuple[Effect, ...],
-    timing: Timing,
-) -> Mapping[str, tuple[int, ...]]:
+def _shapes(plan: _Plan) -> Mapping[str, tuple[int, ...]]:
+    nodes, integrator, timing = len(plan.reference), plan.integrator, plan.timing
     shapes: dict[str, tuple[int, ...]] = {"clock": (3,), "displacement": (nodes, 2)}
     if integrator.inertia:
         shapes["velocity"] = (nodes, 2)
     if timing.relaxation and timing.damping:
         shapes["drift"] = (nodes, 2)
     shapes |= {"internal_force": (nodes, 2), "reaction": (nodes, 2), "work": (len(WORK),)}
-    shapes |= contact
-    shapes |= {f"history.{body.name}": body.history_shape() for body in bodies if body.material.history_size}
-    shapes |= {f"effects.{i}": (len(effect.memory), nodes) for i, effect in enumerate(effects) if effect.memory}
+    if plan.contacts:
+        from contactlab.model.contact.plan import contact_shapes
+
+        shapes |= contact_shapes(plan.contacts, nodes, integrator)
+    shapes |= {f"history.{body.name}": body.history_shape() for body in plan.bodies if body.material.history_size}
+    shapes |= {f"effects.{i}": (len(effect.memory), nodes) for i, effect in enumerate(plan.effects) if effect.memory}
     if integrator.control() is not None:
         shapes["step_error"] = (2,)
     return shapes | dict(integrator.memory(nodes))

@@ -16,6 +16,7 @@ from contactlab.api import (
     Floats,
     ImplicitIntegrator,
     Integrator,
+    Ints,
     State,
     Step,
     StepStatus,
@@ -68,7 +69,8 @@ class Model(ABC):
     stresses and internal forces. Any code with doubts adds them to `warnings`. `way_followed` is False once a
     step has skipped history that the end does not depend on: work along the path is unknown then. `start` is the
     reference for the end. `needs` fill the numbers that laws need at a time [s]. `split` sums the work of contact by
-    its sources, if the scene asks for it.
+    its sources, if the scene asks for it. `mirror` (N,) is the node at the mirror image in x = 0 of each node, -1
+    without one, if the scene declares symmetry.
     """
 
     reference: Floats
@@ -89,6 +91,7 @@ class Model(ABC):
     way_followed: bool = True
     needs: tuple[Callable[[float], None], ...] = ()
     split: WorkSplit | None = None
+    mirror: Ints | None = None
 
     explicit: ClassVar[bool]
 

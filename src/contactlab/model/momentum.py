@@ -16,13 +16,10 @@ class Start:
 
     energy    [mJ] kinetic
     momentum  (4,) as in `Model.momenta`
-    mirror    (N,) node at the mirror image in x = 0 of each node, -1 without one; None if the scene
-              declares no symmetry
     """
 
     energy: float
     momentum: Floats
-    mirror: Ints | None = None
 
 
 def mirrored_nodes(reference: Floats, parts: Sequence[slice]) -> Ints:

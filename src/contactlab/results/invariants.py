@@ -191,7 +191,7 @@ def _balance(model: Model, limit: float, why: str) -> tuple[float, str]:
 
 
 def _symmetry(model: Model) -> Iterator[Invariant]:
-    mirror = model.start.mirror
+    mirror = model.mirror
     if mirror is None:
         return
     u = model.state["displacement"]
