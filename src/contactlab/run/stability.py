@@ -226,7 +226,8 @@ def _scaled(matrix: Any) -> tuple[Any, Floats]:
     largest = np.zeros(len(first))
     np.maximum.at(largest, column, np.abs(first[row] * matrix.data * first[column]))
     scale = first / np.where((diagonal == 0.0) & (largest > 0.0), largest, 1.0)
-    scaled = csc_array((scale[row] * matrix.data * scale[column], row, matrix.indptr), shape=matrix.shape)
+    scaled = matrix.copy()
+    scaled.data = scale[row] * matrix.data * scale[column]
     scaled.eliminate_zeros()
     return scaled, scale
 
