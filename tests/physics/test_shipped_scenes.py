@@ -20,9 +20,8 @@ MEANT = {
 """Warnings that a scene deserves and is meant to have."""
 TO_THE_END = {"disc-in-box": {"impact-loss"}}  # over all of its bounces
 SHORTER = {
-    "block-on-incline": {
-        "time.end": 0.045
-    },  # the weight is all there at 0.03 s: it slides half as long as it was put down
+    # the weight is all there at 0.03 s: it slides half as long as it was put down
+    "block-on-incline": {"time.end": 0.045},
     "bouncing-bar": {"time.end": 7.0},  # a period and a half: 16/3 s from top to top
     "disc-in-box": {"time.end": 1.25e-3},  # three bounces, at both pairs of walls
     "dropped-block": {"time.end": 0.2},  # some bounces

@@ -26,8 +26,8 @@ def row_key(scene: Scene, choices: str) -> str:
 def run_key(job: Job, scene: Scene) -> str:
     """Hash of a job, its scene with all defaults, the files it names, the sources of the core and of the parts used."""
     asked = [list(job.watch), job.work, job.guards, job.fields, job.curves, *([job.means] if job.means else [])]
-    asked_for = json.dumps(asked, sort_keys=True, default=str)
-    return _hash([scene.toml(), *_files(scene.data), asked_for, *sources(used(job, scene))])
+    told = json.dumps(asked, sort_keys=True, default=str)
+    return _hash([scene.toml(), *_files(scene.data), told, *sources(used(job, scene))])
 
 
 def _files(data: Any) -> Iterator[str]:

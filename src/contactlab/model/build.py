@@ -41,7 +41,7 @@ def build(scene: Scene, registry: Registry) -> Model:
 
 @dataclass(frozen=True)
 class _Plan:
-    """What a scene declares, resolved: meshes and times, before any array that changes in a run.
+    """Meshes, parts and times of a scene, before any array that changes in a run.
 
     contacts   their plans
     reference  (N, 2) [mm] of all nodes

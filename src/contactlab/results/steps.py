@@ -144,7 +144,7 @@ def _with_conditions(sampler: StepSampler, model: Model) -> Sample:
 
 
 def _conditions_of(c: Any, own: slice, lagged: float) -> tuple[np.ndarray, float]:
-    """Find the states of the conditions `own` of one pair, and its penetration; `lagged` is that of its friction."""
+    """Find the states of the conditions `own` of one pair, and its penetration; its friction may be `lagged`."""
     pressed = c.force[0, own]
     pulled = np.abs(c.force[-1, own]) if len(c.force) > 1 else np.zeros_like(pressed)
     active = (pressed > 0.0) | (pulled > 0.0)

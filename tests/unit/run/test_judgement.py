@@ -110,9 +110,8 @@ def test_a_side_within_the_other_without_a_force_is_told(algorithm: str, told: l
     assert [w.value for w in results.warnings if w.code == "open-contact"] == pytest.approx(told, rel=0.01)
 
 
-@pytest.mark.parametrize(
-    ("algorithm", "share", "told"), [("mortar-p0", 0.97, []), ("mortar-p0", 1.03, [0.15]), ("mortar-p1", 1.03, [0.15])]
-)
+@pytest.mark.parametrize(("share", "told"), [(0.97, []), (1.03, [0.15])])
+@pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1"])
 def test_a_body_that_stands_beside_its_support_is_told(algorithm: str, share: float, told: list[float]) -> None:
     """Its middle is beyond the end of the base by 0.03 x 4, 0.15 of its segments of 0.8."""
     end = share * 4.0

@@ -12,6 +12,7 @@ from tiers import some
 from contactlab.api import Iteration, Step, StepStatus
 from contactlab.errors import SimulationFailure
 from contactlab.model.build import build
+from contactlab.model.memory import model_memory, restore_model
 from contactlab.results.results import Results
 from contactlab.run.guarded_step import MOST
 from contactlab.run.guards import Guards
@@ -268,8 +269,8 @@ def test_a_run_that_does_not_get_on_is_given_up_after_some_very_short_steps() ->
     assert accepted == 20
 
 
-def test_a_step_that_was_cut_frees_multipliers_at_the_pace_of_its_length() -> None:
-    """The wished step, and the last one, free all at once."""
+def test_what_comes_free_by_and_by_is_saved_and_restored() -> None:
+    """A step that was cut frees multipliers at the pace of its length; the wished one, and the last, at once."""
     scene = disc(**{"time.end": 1.0, "integrator": {"use": "newton", "steps": 10}})
     schedule = LoadSchedule(build(scene, scene.registry), scene)
     pace = schedule.state["release_pace"]
@@ -278,6 +279,13 @@ def test_a_step_that_was_cut_frees_multipliers_at_the_pace_of_its_length() -> No
     assert pace[0] == 1.0
     schedule.cut(attempt(0.5))
     assert pace[0] == pytest.approx(CUT)
+    release = schedule.state["release"]
+    release[:], pace[1] = np.linspace(0.0, 1.0, len(release)), CUT
+    saved = {name: values.copy() for name, values in model_memory(schedule.model).items()}
+    expected, release[:], pace[:] = release.copy(), 0.5, 1.0
+    restore_model(schedule.model, saved)
+    np.testing.assert_array_equal(pace, [CUT, CUT])
+    np.testing.assert_array_equal(release, expected)
     schedule.state["clock"][0] = 1.0 - 1e-3
     schedule._length()
     assert pace[0] == 1.0

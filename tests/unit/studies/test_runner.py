@@ -163,12 +163,8 @@ class TestReferences:
         assert "disc-on-block-shallow" in str(caught.value)
 
 
-QUICK = {
-    "time.end": 2e-6,
-    "time.ramp": 1e-5,
-    "record.recorders": ["vtkhdf"],
-    "record.frames": 4,
-}  # some hundred steps: enough to touch
+# some hundred steps: enough to touch
+QUICK = {"time.end": 2e-6, "time.ramp": 1e-5, "record.recorders": ["vtkhdf"], "record.frames": 4}
 
 
 def test_real_runs_and_what_only_the_model_refuses_give_rows(tmp_path: Path) -> None:
