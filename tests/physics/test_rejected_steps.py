@@ -77,10 +77,22 @@ def test_steps_that_fail(algorithm: str, use: str) -> None:
                 model.state.restore(before)
             else:
                 failed += 1
+                assert_constraints_of_positions(model)
             np.testing.assert_array_equal(model.state.buffer, before)
         assert advance(dt).status is StepStatus.accepted
         np.testing.assert_array_equal(model.state.buffer, wanted)
     assert failed >= 2
+
+
+def assert_constraints_of_positions(model: Model) -> None:
+    """No constraint of a trial is left: reports show those of the present positions."""
+    assert model.contact is not None
+    (pair,) = model.contact.pairs
+    seen = pair.snapshot(model.state, model.position)
+    pair.update(model.position, pair.memory_in(model.state).copy())
+    again = pair.snapshot(model.state, model.position)
+    for name in ("gaps", "normals", "cover", "tractions"):
+        np.testing.assert_array_equal(getattr(seen, name), getattr(again, name), err_msg=name)
 
 
 def hash_of(text: str) -> int:

@@ -63,8 +63,6 @@ class ContactSystem:
         """Update the pairs, make rows and find forces; see `contactlab.api.ContactEquations`."""
         began, self.compliance = perf_counter(), compliance
         self._update(predicted, current, compliance, force)
-        for pair in self.passes:
-            pair.evaluated = True
         self.last = self._solve(predicted, current, compliance, force)
         self.seconds += perf_counter() - began
         return self.last

@@ -101,7 +101,6 @@ class ImplicitContactSystem:
         self.time[0] = time
         for linear in self.linear:
             linear.memory[:] = linear.pair.memory_in(self.state)
-            linear.pair.evaluated = False
         for _, sliding in self.varying:
             sliding.begin_step(time, time - self.state.time)
         self._release(time)
@@ -146,7 +145,6 @@ class ImplicitContactSystem:
         """Move the memory of the last evaluation into the state."""
         for linear in self.linear:
             linear.pair.memory_in(self.state)[:] = linear.memory
-            linear.pair.evaluated = True
             linear.accept()
         for pair, sliding in self.varying:
             sliding.accept(pair.cover, self.conditions.slip[pair.own], self.multipliers[0, pair.own], pair.idle)

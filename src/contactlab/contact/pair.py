@@ -128,7 +128,7 @@ class ContactPair(ABC):
         self.gaps = np.full((self.slots, 2), FAR)
         self.start_gaps: StartGaps | None = None
         self.sliding = sliding_of(friction, self.slots, slave, self.at)
-        self.half = self.second = self.evaluated = False
+        self.half = self.second = False
         self.points: ContactPair | None = None
         self.memory: dict[str, Floats] = {}
         self._view: ContactView | None = None
@@ -211,11 +211,6 @@ class ContactPair(ABC):
         self.search_s += perf_counter() - began
         return self.near
 
-    def restore(self, slave: Floats, master: Floats) -> None:
-        """Restore the near list made at these positions (m, 2); the constraints belong to no accepted step."""
-        self.find_near(slave, master)
-        self.evaluated = False
-
     def seen(self, memory: Floats) -> ContactView:
         """Return the algorithm's view of the present positions; the same object as long as its parts are the same."""
         view = self._view
@@ -288,12 +283,8 @@ class ContactPair(ABC):
     def snapshot(self, state: State, position: Floats) -> ContactSnapshot:
         """Return the pair at the accepted step that ends at `position` (N, 2), with the multipliers of the state.
 
-        Constraints stay as they were in this step. Only if no step has been accepted, at the start of a run,
-        after a restart or a failed step, they are made at `position`.
+        Constraints stay as they were in this step.
         """
-        if not self.evaluated:
-            self.update(position, self.memory_in(state).copy())
-            self.evaluated = True
         gaps = self.gaps_at(position)
         self._take_start_gaps(gaps)
         forces = np.zeros((2, self.slots))

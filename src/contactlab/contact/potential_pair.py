@@ -111,7 +111,7 @@ class PotentialPair(GapPair):
         if pace > 0.0:
             self.view = self.view._replace(pace=min(1.0, pace))
         self.view.start[:] = self.view.lagged[:] = self._own(position)
-        self.evaluated, self.change = False, np.inf
+        self.change = np.inf
 
     def evaluate(self, position: Floats) -> None:
         """Compute forces at trial positions (N, 2)."""
@@ -221,7 +221,6 @@ class PotentialPair(GapPair):
             began[self.nodes] = self.view.start + self.origin
             self.slipped[:] = (self.gaps - self.gaps_at(began))[:, 1]
             self.compute_start_normals(began, np.zeros((0, m)))
-        self.evaluated = True
         if self.rubbed is not None:
             self.kept[:] = self.rubbed
         across, lengths, normal = np.zeros((len(segments), 2)), np.zeros(len(segments)), np.zeros((m, 2))

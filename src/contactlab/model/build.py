@@ -136,6 +136,7 @@ def _bound(scene: Scene, registry: Registry, plan: _Plan) -> Model:
     model.warnings.add(*timing.told, *told)
     _needs(model, scene)
     model.internal_force(0.0)
+    model.make_constraints()
     if model.explicit:
         _limit_steps(model, scene, plan)
     return model

@@ -88,13 +88,15 @@ class ImplicitModel(Model):
         return loaded
 
     def begin_step(self, dt: float) -> None:
-        """Take the present state as the start of a step of length dt [s]."""
+        """Take the present state as the start of a step of length dt [s]; 0 after a step was taken back."""
         np.add(self.reference, self.state["displacement"], out=self.position)
         self._start[:] = self.state["displacement"]
         for forces in self.forces:
             forces.begin_step()
         if self.contact is not None:
             self.contact.begin_step(self.position, self.state.time + dt)
+        if dt == 0.0:
+            self.make_constraints()
 
     def _follow(self, dt: float) -> None:
         if self.increment is not None:

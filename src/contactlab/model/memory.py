@@ -35,10 +35,7 @@ def model_memory(model: Model) -> dict[str, Floats]:
         memory[f"cell_size.{limit.body.name}"] = limit.before
     for pair in model.contact.passes if model.contact is not None else ():
         if pair.near is not None:
-            slave, master = pair.near.slave, pair.near.master
-        else:
-            slave, master = np.full_like(pair.at.slave, np.nan), np.full_like(pair.at.master, np.nan)
-        memory |= {f"near.{pair.name}.slave": slave, f"near.{pair.name}.master": master}
+            memory |= {f"near.{pair.name}.slave": pair.near.slave, f"near.{pair.name}.master": pair.near.master}
     return memory
 
 
@@ -53,6 +50,6 @@ def restore_model(model: Model, memory: Mapping[str, Floats]) -> None:
     for forces in model.forces:
         forces.trial_history[:] = forces.history  # as they are after an accepted step
     for pair in model.contact.passes if model.contact is not None else ():
-        slave, master = memory[f"near.{pair.name}.slave"], memory[f"near.{pair.name}.master"]
-        if not np.isnan(slave).any():
-            pair.restore(slave, master)
+        if pair.near is not None:
+            pair.find_near(memory[f"near.{pair.name}.slave"], memory[f"near.{pair.name}.master"])
+    model.make_constraints()

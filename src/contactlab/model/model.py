@@ -129,6 +129,11 @@ class Model(ABC):
             update(dt)
         self.seconds += perf_counter() - began
 
+    def make_constraints(self) -> None:
+        """Make the constraints of contact at the present positions: those of a state that no step has led to."""
+        for pair in self.contact.passes if self.contact is not None else ():
+            pair.update(self.position, pair.memory_in(self.state).copy())
+
     @abstractmethod
     def _follow(self, dt: float) -> None:
         """Update displacement increments of the step, for laws in rate form."""

@@ -172,8 +172,6 @@ class ContactGuard:
     def check_penetration(self) -> None:
         """Stop if a node lies deep in the other side, by geometry alone."""
         for pair in self.pairs:
-            if pair.near is None:
-                continue
             position, near = self.model.position, pair.near.candidates
             depth, place, side = deepest(
                 position[pair.slave.nodes], pair.slave.segments, position[pair.master.nodes], pair.master.segments,
