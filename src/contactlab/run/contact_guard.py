@@ -172,6 +172,7 @@ class ContactGuard:
     def check_penetration(self) -> None:
         """Stop if a node lies deep in the other side, by geometry alone."""
         for pair in self.pairs:
+            assert pair.near is not None
             position, near = self.model.position, pair.near.candidates
             depth, place, side = deepest(
                 position[pair.slave.nodes], pair.slave.segments, position[pair.master.nodes], pair.master.segments,
