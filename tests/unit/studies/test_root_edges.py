@@ -69,3 +69,15 @@ def test_edges_that_are_no_roots_stay() -> None:
         np.testing.assert_array_equal(followed.x, x)
         np.testing.assert_array_equal(followed.value, values)
     assert with_root_edges(Profile(x[:0], x[:0])).x.size == 0
+
+
+def test_what_dies_away_beyond_an_edge_is_no_contact() -> None:
+    """The inverse of T carries pressures of a dual basis on, down to numbers whose products underflow."""
+    h = 1.0 / 16
+    found = carried(np.arange(-60, 61) * h + 0.02)
+    echo = 1e-7 * 1e-5 ** np.arange(40)
+    last = int(np.flatnonzero(found.value)[-1])
+    values = found.value.copy()
+    values[last + 1 : last + 1 + len(echo)] = echo[: len(values) - last - 1]
+    followed = with_root_edges(Profile(found.x, values))
+    assert distance(followed, with_root_edges(found)) < 1e-6
