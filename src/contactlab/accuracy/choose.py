@@ -195,10 +195,12 @@ class _Search:
             above = [each for each in trials.ladders() if each.finest > 2]
             if len(above) >= CLIMBERS:
                 climbing = [each for each in climbing if each.finest > 2]
-            best = beside(ranked(climbing, trials.judged(), truth), 2)
             useless = truth is None or truth.uncertainty >= self.wish.error  # no trial could keep it
             left = (TRIED if useless else REFINED) * self.wish.search - trials.spent
-            wanted = [(each, self._next_level(each, left)) for each in (trials.by_name(one.name) for _, one in best)]
+            known = [(each, trials.by_name(each.name)) for each in climbing]
+            finer = {each.name: (own, self._next_level(own, left)) for each, own in known}
+            climbing = [each for each in climbing if trials.expected(*finer[each.name]) <= left]
+            wanted = [finer[one.name] for _, one in beside(ranked(climbing, trials.judged(), truth), 2)]
             while wanted and sum(trials.expected(*place) for place in wanted) > left:
                 wanted.pop()
             if not wanted:
