@@ -145,6 +145,7 @@ def happened(name: str, arrays: bool = True, plugins: str = "") -> dict[str, Any
 ALWAYS = {"loaded"}
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", some(CASES, ALWAYS))
 def test_what_happens_is_what_was_explained(name: str) -> None:
     scene = scene_of(name)
@@ -247,6 +248,7 @@ def test_every_effect_is_seen_declared_and_not() -> None:
     assert not missing
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", some(["disc-on-block", "loaded"], ["loaded"]))
 def test_more_plugins_change_nothing(name: str) -> None:
     """The same numbers to the last bit, the same calls and kernels, with the needed plugins alone and with all."""

@@ -181,6 +181,7 @@ def test_a_run_imports_the_packages_that_explain_lists(changes: dict[str, Any]) 
     assert [working(found) for found in imported(wanted)] == [listed]
 
 
+@pytest.mark.full
 def test_a_run_without_contact_that_records_imports_no_contact(tmp_path: Path) -> None:
     (found,) = imported(without_contact().with_(SHORT), out=[str(tmp_path / "run")])
     assert "contactlab_rerun" in working(found)

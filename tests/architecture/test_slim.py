@@ -40,6 +40,7 @@ def slim_environment() -> dict[str, str]:
     return {**os.environ, "CONTACTLAB_PLUGINS": usual}
 
 
+@pytest.mark.full
 def test_without_the_viewer_a_run_has_no_timeline_and_says_so_once(
     slim_environment: dict[str, str], tmp_path: Path
 ) -> None:

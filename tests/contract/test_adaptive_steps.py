@@ -104,6 +104,7 @@ def test_rejected_steps_leave_no_trace_but_events(swing: Any) -> None:
     assert results.history["energy.error"].max() < 1e-9
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("use", some(["adaptive-leapfrog", "adaptive-midpoint"], ["adaptive-leapfrog"]))
 def test_a_resumed_run_takes_the_same_steps(swing: Any, tmp_path: Path, use: str) -> None:
     changes = uses(use, 1e-9)

@@ -160,6 +160,7 @@ def package(folder: Path, module: str, text: str) -> Path:
     return folder
 
 
+@pytest.mark.full
 def test_a_card_names_the_package_of_a_folder_and_its_version(tmp_path: Path) -> None:
     text = SLIP.format(grip=0.0, name="shown-slip", module="shown_slip.plugin")
     folder = package(tmp_path / "shown", "shown_slip", text)
@@ -272,6 +273,7 @@ def contactlab_parts():
 '''
 
 
+@pytest.mark.full
 def test_formulas_run_as_plain_python_and_lines_that_did_not_are_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -97,7 +97,7 @@ def test_an_existing_folder_is_left_alone(
     assert not [*(tmp_path / "own-mesh").iterdir()]
 
 
-@pytest.mark.parametrize("start", some(WAYS["contact"], ["mortar", "rows", "energy", "potential"]))
+@pytest.mark.parametrize("start", some(WAYS["contact"], ["mortar", "rows", "potential"]))
 def test_contacts_of_every_way_pass_their_checks(
     start: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

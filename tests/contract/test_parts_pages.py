@@ -100,6 +100,7 @@ def test_the_law_of_the_page_is_the_shipped_one(tmp_path: Path, monkeypatch: pyt
         np.testing.assert_allclose(mine, theirs, rtol=1e-12, atol=1e-12)  # round-off of some ten operations
 
 
+@pytest.mark.full
 def test_hooks_bring_a_scene_a_command_and_a_note(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -129,6 +129,7 @@ class TestSite:
         for name in tool.CONTRACT:
             assert importlib.import_module(f"contactlab.api.{name}").__doc__
 
+    @pytest.mark.full
     def test_the_gallery(self, tool: ModuleType, tmp_path: Path) -> None:
         """Two scenes and a case, not run; each with picture, words, TOML and command."""
         text = tool.gallery(tmp_path / "pictures", False, ["three-body-forging", "disc-in-box"], ["two-bars"])

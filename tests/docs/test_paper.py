@@ -30,6 +30,7 @@ def study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[dict[str,
     sys.path[:] = path
 
 
+@pytest.mark.full
 def test_a_figure_is_drawn_from_the_archive_with_the_numbers_of_the_page(
     study: dict[str, ModuleType], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -54,6 +55,7 @@ def test_a_figure_is_drawn_from_the_archive_with_the_numbers_of_the_page(
         assert (tmp_path / "figure-09.svg").exists()
 
 
+@pytest.mark.full
 def test_every_figure_has_its_numbers(study: dict[str, ModuleType]) -> None:
     numbers = json.loads(study["make"].NUMBERS.read_text())
     assert set(numbers) == set(study["make"].known())

@@ -19,6 +19,7 @@ ROOT = Path(__file__).parents[2]
 PROJECTS = [ROOT, *sorted(file.parent for file in ROOT.glob("plugins/*/pyproject.toml"))]
 
 
+@pytest.mark.full
 def test_every_package_becomes_an_editable_wheel_with_its_entry_points_and_needs(tmp_path: Path) -> None:
     subprocess.run(
         [sys.executable, str(ROOT / "tools" / "editables.py"), str(tmp_path)], capture_output=True, check=True

@@ -62,6 +62,7 @@ def stamps(folder: Path) -> dict[str, int]:
     return {name: (run / name).stat().st_mtime_ns for name in FILES}
 
 
+@pytest.mark.full
 def test_stopped_comparison_goes_on(stopped: tuple[Path, Path, str], monkeypatch: pytest.MonkeyPatch) -> None:
     scene, folder, line = stopped
     vary = [f"{key}={values}" for key, values in VARY.items()]

@@ -73,6 +73,7 @@ def test_the_folder_is_that_of_the_run_that_was_taken_with_attempts_below(tmp_pa
     np.testing.assert_array_equal(simulate(scene).displacement, results.displacement)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("scene_of_the_folder", some([False, True], [True]))
 def test_a_run_stopped_in_its_second_attempt_goes_on_there(
     scene_of_the_folder: bool, tmp_path: Path, assert_same_run: Assert
@@ -96,6 +97,7 @@ def test_a_run_stopped_in_its_second_attempt_goes_on_there(
     assert again.summary == results.summary
 
 
+@pytest.mark.full
 def test_a_run_stopped_in_its_first_attempt_goes_on_to_the_second(tmp_path: Path) -> None:
     """Also with the scene of its folder, which names the first integrator alone."""
     first = {**DYNAMICS, "steps": 40, "iterations": 2, "tolerance": 1e-10}
@@ -112,6 +114,7 @@ def test_a_run_stopped_in_its_first_attempt_goes_on_to_the_second(tmp_path: Path
 MOVED = [*(("dynamics", count) for count in range(6)), *(("harder", count) for count in range(11, 18))]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("second", "killed_after"), some(MOVED, [("dynamics", 4), ("harder", 15)]))
 def test_results_that_were_half_moved_when_the_process_was_killed_are_moved_on(
     second: str, killed_after: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -140,6 +143,7 @@ def test_results_that_were_half_moved_when_the_process_was_killed_are_moved_on(
         assert (results.status, attempt["folder"]) == ("not-converged", "attempts/2-newton")
 
 
+@pytest.mark.full
 def test_if_all_come_short_the_furthest_results_are_kept_with_every_reason(tmp_path: Path) -> None:
     # friction holds half of the pull; the other two integrators stop at their first step
     far = {"use": "newton", "stabilised": False, "steps": 2}
@@ -188,6 +192,7 @@ def test_a_last_integrator_that_got_furthest_is_told_once(tmp_path: Path) -> Non
         assert again.summary == found.summary
 
 
+@pytest.mark.full
 def test_a_plain_run_goes_on_as_the_first_of_an_order(tmp_path: Path) -> None:
     plain = block().with_({"integrator": HARD})
     assert simulate(plain, tmp_path).status == "not-converged"

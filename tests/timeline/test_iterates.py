@@ -50,6 +50,7 @@ def followed(small_scene: MakeScene, tmp_path_factory: pytest.TempPathFactory) -
     return load_results(folder), seen
 
 
+@pytest.mark.full
 def test_every_iteration_is_stored_as_it_was(followed: tuple[Results, list[Any]]) -> None:
     run, seen = followed
     assert max(row.attempt for row in run.iterations) > 1, "no step was taken back"
@@ -71,6 +72,7 @@ def test_the_last_iteration_of_a_step_is_its_frame(followed: tuple[Results, list
         assert np.abs(found - frame.displacement).max() <= 2.0 * 2.0**-PLACES * np.abs(frame.displacement).max()
 
 
+@pytest.mark.full
 def test_a_run_that_is_taken_up_has_the_same(
     small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

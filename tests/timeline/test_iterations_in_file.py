@@ -43,6 +43,7 @@ def test_the_file_alone_has_the_record(small_scene: MakeScene, tmp_path: Path) -
     np.testing.assert_array_equal(last.active_set > OPEN, steps["state"][-1] > OPEN)
 
 
+@pytest.mark.full
 def test_a_file_without_active_sets_is_read_and_taken_up(
     small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -280,6 +280,7 @@ def test_full_disk_keeps_what_was_written(
     assert_same_run(whole, contactlab.load_results(folder))
 
 
+@pytest.mark.full
 def test_steps_behind_the_last_saved_state_are_made_again(
     small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, assert_same_run: Assert
 ) -> None:

@@ -39,6 +39,7 @@ def assert_same_frames(run: Results, frames: Any) -> None:
                 np.testing.assert_array_equal(values, other.cells[body][name], err_msg=name)
 
 
+@pytest.mark.full
 def test_steps_before_a_failure_are_those_of_a_run_with_a_frame_in_each(
     small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -98,6 +99,7 @@ def test_a_part_that_remembers_is_told_of(
     assert any("differ from the original steps" in event.text for event in run.events)
 
 
+@pytest.mark.full
 def test_implicit_runs_keep_each_of_their_steps(small_scene: MakeScene, tmp_path: Path) -> None:
     """Two iterations are too few once contact has spread."""
     run = simulate(small_scene({**STATICS, "record.frames": 2, "record.last": 50}), tmp_path / "run")

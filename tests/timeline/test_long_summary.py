@@ -6,12 +6,15 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 import contactlab
 from contactlab.api.recorder import Recorder
 from contactlab.results.load import load_checkpoint
 from contactlab.run.simulation import simulate
 
 
+@pytest.mark.full
 def test_summary_of_any_length_is_saved(
     small_scene: Callable[..., Any], recorder: Callable[[str], Recorder], tmp_path: Path, monkeypatch: Any
 ) -> None:

@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 PROGRAM = """
 import json, sys
 from collections import Counter
@@ -62,6 +64,7 @@ MORE = 40  # steps of the longer run
 ROOMS = ("contactlab.results", "contactlab.jobs.archive", "contactlab.missing_effects", "contactlab.api.warning")
 
 
+@pytest.mark.full
 def test_a_run_without_files_does_no_work_for_them(tmp_path: Path) -> None:
     """Between 80 and 120 steps lie no frame, no save and no look of the guards (every 50 steps, at 50 and at 100)."""
     command = [sys.executable, "-c", PROGRAM, str(tmp_path / "run")]

@@ -107,6 +107,7 @@ def test_where_there_is_no_room_for_a_copy_the_file_stays(recorded: Results, tmp
     assert [path.name for path in tmp_path.iterdir()] == [FILE]
 
 
+@pytest.mark.full
 def test_a_file_in_double_precision_is_read_and_taken_up(
     small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -23,6 +23,7 @@ for folder in sys.argv[1:]:
 """
 
 
+@pytest.mark.full
 def test_no_library_is_imported_that_no_recorder_needs(small_scene: MakeScene, tmp_path: Path) -> None:
     """In a process of its own, which first runs the scene that needs none."""
     folders = []

@@ -363,6 +363,7 @@ def flat(values: Any) -> list[Any]:
     return [one for value in values for one in flat(value)] if isinstance(values, list) else [values]
 
 
+@pytest.mark.full
 def test_nothing_of_it_is_done_in_a_run_whose_results_are_stored(small_scene: MakeScene, tmp_path: Path) -> None:
     """With `write = "view"`; where nothing else is stored, the run writes it all the same.
 
@@ -517,6 +518,7 @@ def test_a_panel_alone(run: Results, tmp_path: Path) -> None:
 # --- several runs ---------------------------------------------------------------------------------
 
 
+@pytest.mark.full
 def test_comparison_has_all_runs_on_one_cursor(small_scene: MakeScene, tmp_path: Path) -> None:
     from contactlab.studies.recordings import record_comparison, runs_of, titled_runs
 
@@ -591,6 +593,7 @@ def test_full_disk_is_said_and_leaves_nothing_half(run: Results, tmp_path: Path)
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.full
 def test_recording_of_a_resumed_run_is_whole(small_scene: MakeScene, tmp_path: Path) -> None:
     """It begins anew with all that was stored before the run was stopped."""
     import signal

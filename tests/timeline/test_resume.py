@@ -62,9 +62,7 @@ VARIANTS: dict[str, dict[str, Any]] = {
     "newton, plasticity": {**STATICS, **PLASTIC},
 }
 
-ALWAYS = {
-    "coulomb, node-on-segment", "power-law", "newton, augmented-lagrangian, friction", "implicit-dynamics, friction",
-}  # fmt: skip
+ALWAYS = {"coulomb, node-on-segment", "power-law", "newton, friction"}
 
 
 def run_with_stops(scene: Any, folder: Path, stops: list[int]) -> Results:
@@ -107,6 +105,7 @@ def test_an_impact_is_taken_up_within_its_short_steps(
     assert_same_files(tmp_path / "whole", tmp_path / "stopped")
 
 
+@pytest.mark.full
 def test_a_nested_run_is_taken_up_between_its_corners(
     small_scene: MakeScene, tmp_path: Path, assert_same_run: Assert, assert_same_files: Assert
 ) -> None:
@@ -120,6 +119,7 @@ def test_a_nested_run_is_taken_up_between_its_corners(
     assert_same_files(tmp_path / "whole", tmp_path / "stopped")
 
 
+@pytest.mark.full
 def test_warnings_outlive_the_stop_and_are_told_once(small_scene: MakeScene, tmp_path: Path) -> None:
     scene = small_scene({"materials.soft.yield_stress": 1.0})
     whole = simulate(scene, tmp_path / "whole")
@@ -135,6 +135,7 @@ def test_warnings_outlive_the_stop_and_are_told_once(small_scene: MakeScene, tmp
         assert len([event for event in resumed.events if key in event.text]) == 1
 
 
+@pytest.mark.full
 def test_a_run_killed_after_its_last_step_is_judged(
     small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

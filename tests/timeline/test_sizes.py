@@ -12,6 +12,7 @@ import contactlab
 pytest.importorskip("contactlab_rerun", reason="plugin contactlab-rerun is not installed")
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("frames", some([50, 12], [50]))
 def test_360_cells_leave_a_megabyte(frames: int, tmp_path: Path) -> None:
     scene = contactlab.load_scene("disc-on-block").with_({"record.frames": frames})

@@ -24,6 +24,7 @@ def both(small_scene: Callable[..., Scene], tmp_path_factory: pytest.TempPathFac
         return factored, simulate(scene, tmp_path_factory.mktemp("rows") / "run")
 
 
+@pytest.mark.full
 def test_active_conditions_are_those_that_frames_show(both: tuple[Results, Results]) -> None:
     for run in both:
         states = np.array([frame.curves["contacts.0"].state for frame in run.frames])

@@ -67,6 +67,7 @@ def test_files_of_format_3_are_read(run: Path, tmp_path: Path, assert_same_run: 
     assert new.summary == old.summary
 
 
+@pytest.mark.full
 def test_a_run_of_format_3_is_taken_up(small_scene: MakeScene, tmp_path: Path, assert_same_run: Assert) -> None:
     scene = small_scene({"contacts.0.friction": {"use": "coulomb", "mu": 0.2}})
     whole = simulate(scene, tmp_path / "whole")

@@ -120,6 +120,7 @@ class TestRun:
 
         assert EXIT_STATUS.get(status, 1) == code
 
+    @pytest.mark.full
     def test_parts_in_a_file(self, in_folder: Path) -> None:
         Path("strip_part.py").write_text(PART)
         mesh = "bodies.block.mesh={use=strip, height=0.3}"

@@ -63,6 +63,7 @@ def test_a_matrix_is_judged_and_found_again(tmp_path: Path, capsys: pytest.Captu
     assert [result.measures for _, result in again.cells] == [result.measures for _, result in first.cells]
 
 
+@pytest.mark.full
 def test_a_choice_is_made_of_keys_that_a_run_takes(tmp_path: Path) -> None:
     """Every finer mesh of the bars is refused, so that no error can be measured: there is a choice all the same."""
     with runs_inline():

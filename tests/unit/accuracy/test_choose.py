@@ -175,6 +175,7 @@ def test_pressures_that_are_no_function_of_a_position_promise_nothing() -> None:
     assert found.error < 0.04
 
 
+@pytest.mark.full
 def test_where_no_mesh_settles_the_pressure_forces_choose() -> None:
     """Pressures that fall with the fifth root of the cells stay unknown to more than is asked, and forces are exact."""
 
@@ -244,6 +245,7 @@ def test_contacts_are_exchanged_one_by_one_but_for_rigid_masters() -> None:
     assert exchanged == {(False, False, False), (True, True, False), (True, False, False), (False, True, False)}
 
 
+@pytest.mark.full
 def test_a_pressure_with_one_wrong_contact_is_not_ok() -> None:
     """The error is the largest of all contacts that are pressed."""
 

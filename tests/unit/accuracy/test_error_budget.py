@@ -114,6 +114,7 @@ def test_what_is_not_resolved_is_no_part_and_sides_are_no_cure() -> None:
     assert ErrorBudget("finished", "", 1.0, [side, mesh]).cheapest is mesh
 
 
+@pytest.mark.full
 def test_parts_are_told_with_what_to_refine_and_found_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Statics of a coarse disc: its mesh is off by per cents, its tolerance by nothing that anyone could see."""
     changes = {"bodies.disc.mesh.cells": [8, 2], "bodies.block.mesh.cells": [12, 2], "integrator": "newton"}

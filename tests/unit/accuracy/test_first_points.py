@@ -5,6 +5,8 @@ from __future__ import annotations
 import subprocess
 import sys
 
+import pytest
+
 PROGRAM = """
 import sys
 import contactlab.commands.accuracy
@@ -16,6 +18,7 @@ print("matplotlib" in sys.modules)
 """
 
 
+@pytest.mark.full
 def test_a_study_begins_without_libraries_that_draw_or_fit() -> None:
     done = subprocess.run([sys.executable, "-c", PROGRAM], capture_output=True, text=True, check=False)
     assert done.stdout.splitlines() == ["[]", "True"], done.stderr

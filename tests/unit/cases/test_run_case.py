@@ -98,6 +98,7 @@ class Steps(Watch):
         return {"doubled": 2.0 * memory["sum"]}
 
 
+@pytest.mark.full
 def test_memory_is_in_the_checkpoint(tmp_path: Any) -> None:
     """A run that was stopped by its limit and is taken up with its watch finds what an undisturbed one finds."""
     scene = load_scene("two-bars").with_(SMALL | {"record.recorders": ["vtkhdf"]})

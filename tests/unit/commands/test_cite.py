@@ -34,6 +34,7 @@ def test_a_run_names_scene_parts_and_works(tmp_path: Path, capsys: pytest.Captur
     assert "Revue Européenne" in found["literature"]["Baillet & Sassi 2005"]  # type: ignore[index]
 
 
+@pytest.mark.full
 def test_a_comparison_names_the_parts_of_all_its_runs_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     algorithms = ["node-on-segment", "mortar-p1"]
     with runs_inline(report=False):

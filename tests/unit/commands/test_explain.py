@@ -50,6 +50,7 @@ def strip(install: Callable[..., None], tmp_path: Path) -> Iterator[None]:
         del sys.modules[name]
 
 
+@pytest.mark.full
 def test_modules_of_outside_packages_are_listed_with_their_plugin(strip: None, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("contactlab.reports.run_details.why_apart", lambda cpu, wall: "")  # told on a busy machine
     registry = Registry()

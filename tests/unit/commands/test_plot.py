@@ -37,7 +37,7 @@ PICTURES = [("force", ".pdf"), ("pressure", ".svg"), ("stress", ".png"), ("anima
 EACH = [(which, *picture) for which in ("run", "two") for picture in PICTURES]
 
 
-@pytest.mark.parametrize(("which", "what", "suffix"), some(EACH, EACH[:4] + EACH[5:6]))
+@pytest.mark.parametrize(("which", "what", "suffix"), some(EACH, EACH[:3]))
 def test_every_kind_of_picture(
     folders: dict[str, Path], which: str, what: str, suffix: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -52,6 +52,7 @@ def test_a_picture_without_a_name_lies_beside_the_results(folders: dict[str, Pat
     assert (folders["run"] / "force.png").read_bytes().startswith(HEADS[".png"])
 
 
+@pytest.mark.full
 def test_frames_fields_and_runs_are_chosen(folders: dict[str, Path]) -> None:
     run, two = str(folders["run"]), str(folders["two"])
     assert main(["plot", run, "stress", "--field", "principal_3", "--frame", "1", "--flat"]) == 0
@@ -64,6 +65,7 @@ def test_a_comparison_that_is_loaded_as_a_run_is_named_as_such(folders: dict[str
         contactlab.load_results(folders["two"])
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("number", [2, 6])
 def test_runs_side_by_side_have_their_titles_and_supports(folders: dict[str, Path], number: int) -> None:
     """Long titles of neighbours were written over each other."""

@@ -50,6 +50,7 @@ def strange(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("command", some(TRIED, ["check"]))
 def test_no_file_of_the_folder_is_run(command: str, strange: Path) -> None:
     program = strange.parent / "program.py"  # what pip installs: Python looks in its folder, not in the working one

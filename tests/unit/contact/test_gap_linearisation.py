@@ -152,6 +152,7 @@ def test_differences_on_graded_meshes(registry: Registry) -> None:
     np.testing.assert_allclose(tables[1] * size, tables[0] * size, atol=1e-6)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("friction", [False, True], ids=["frictionless", "friction"])
 def test_newton_reaches_the_answer_of_the_shipped_part(friction: bool, registry: Registry) -> None:
     """The same conditions, so the same positions and reactions; and no more iterations, as derivatives are exact."""

@@ -51,6 +51,7 @@ def test_a_whole_run_costs_what_it_cost(scene: Scene) -> None:
     assert found.start_s == 0.75
 
 
+@pytest.mark.full
 def test_what_the_trial_misses_is_said_before_the_run(own_cache: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Strains of half: with a law for small ones the run would warn, and `explain` says so beforehand."""
     settings = ["integrator=newton", "materials.soft.use=linear-elastic", "bodies.disc.mesh.cells=[8, 2]"]

@@ -66,6 +66,7 @@ def compile_and_compute(compiling: float, computing: float) -> None:
                 pass
 
 
+@pytest.mark.full
 def test_compilation_is_free() -> None:
     with cpu_limit(0.3):
         compile_and_compute(0.6, 0.05)

@@ -55,6 +55,7 @@ def test_no_page_is_stale(pages: ModuleType) -> None:
     assert not [name for name in pages.BUILT if (pages.DOCS / name).exists()]
 
 
+@pytest.mark.full
 def test_all_pages_are_built(pages: ModuleType, tmp_path: Path) -> None:
     pages.build(tmp_path / "docs")
     assert {path.name for path in (tmp_path / "docs").iterdir()} == set(pages.BUILT)

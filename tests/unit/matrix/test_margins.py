@@ -52,6 +52,7 @@ def test_never_and_always() -> None:
     assert math.isnan(always[1])
 
 
+@pytest.mark.full
 def test_the_command_writes_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The frictional block keeps its place up to the limit, whatever its friction."""
     words = [

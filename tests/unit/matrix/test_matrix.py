@@ -137,6 +137,7 @@ def test_results_are_not_overwritten(made: Path, capsys: pytest.CaptureFixture[s
     assert "--resume" in capsys.readouterr().err
 
 
+@pytest.mark.full
 def test_two_matrices_agree_in_every_verdict(made: Path, tmp_path: Path) -> None:
     assert run(tmp_path / "again", *ASKED, "--against", str(made / "matrix.csv")) == 0
     assert verdicts(tmp_path / "again") == verdicts(made)

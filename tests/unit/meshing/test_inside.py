@@ -34,6 +34,7 @@ def ring(count: int, radius: Floats) -> tuple[Floats, Ints]:
     return radius[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1), np.stack([nodes, (nodes + 1) % count], 1)
 
 
+@pytest.mark.full
 @given(seed=st.integers(0, 10_000), count=st.integers(3, 60), flat=st.booleans())
 @settings(max_examples=60, deadline=None)
 @pytest.mark.parametrize("together", [inside.TOGETHER, 64])  # all pairs at once, or bins in several pieces

@@ -72,6 +72,7 @@ def test_a_mesh_with_more_cells_than_its_counts_say_is_refused_when_it_is_there(
     assert "2000 cells" in str(error.value.got)
 
 
+@pytest.mark.full
 def test_room_is_made_for_no_more_frames_than_steps(tmp_path: Any) -> None:
     changes = {
         "bodies.disc.mesh.cells": [8, 2], "bodies.block.mesh.cells": [12, 2], "time.step": 1e-8, "time.end": 4e-7,
@@ -100,6 +101,7 @@ def test_frames_that_cannot_be_kept_are_refused(monkeypatch: pytest.MonkeyPatch)
     assert error.value.got == "1000000 frames of 66 nodes: about 0.738 GiB"
 
 
+@pytest.mark.full
 def test_a_disk_that_is_too_small_is_told_before_the_run(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """The estimate is the file before it is compressed, to a tenth: headers are counted by their number alone."""
     monkeypatch.setattr("contactlab.results.vtkhdf.pack", lambda path: None)

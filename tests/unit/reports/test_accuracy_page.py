@@ -96,6 +96,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return made
 
 
+@pytest.mark.full
 def test_a_page_is_one_file_of_five_megabytes(folder: Path) -> None:
     page = folder / "accuracy.html"
     text = page.read_text(encoding="utf-8")
@@ -108,6 +109,7 @@ def test_a_page_is_one_file_of_five_megabytes(folder: Path) -> None:
     assert "&lt;it&gt; moved apart" in text
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("cases", some([1, 2, 3, 9], [3]))
 def test_the_legend_of_the_figure_is_within_it(cases: int) -> None:
     figure = cost_figure(found := first(cases), evaluate(found).lines)
@@ -125,6 +127,7 @@ def test_a_page_that_is_not_whole_says_what_is_to_come() -> None:
     assert "120 points: 1 finished. 119 points are still to come: reload the page" in text
 
 
+@pytest.mark.full
 def test_a_point_leads_to_the_page_of_its_run(folder: Path) -> None:
     (page,) = (folder / "runs").glob("*.html")
     assert f"runs/{page.name}" in (folder / "accuracy.html").read_text(encoding="utf-8")

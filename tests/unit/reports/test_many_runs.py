@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import pairwise
 
+import pytest
 from matplotlib.colors import to_hex
 
 from contactlab.reports.cost_plot import cost_figure
@@ -41,6 +42,7 @@ def test_lines_of_one_algorithm_are_told_apart_by_what_varies(table: Table) -> N
         assert all(a < b for a, b in pairwise(line.get_xdata()))
 
 
+@pytest.mark.full
 def test_more_than_twelve_pressures_are_a_map(table: Table) -> None:
     assert len(pressure_figure(over(table, "mu", [0.1, 0.2, 0.3])).axes) == 6
     many = over(table, "mu", [0.05 * k for k in range(1, 15)])

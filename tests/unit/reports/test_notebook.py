@@ -205,6 +205,7 @@ class TestResults:
         assert results.contact["disc.arc on block.top"] is results.contact["contacts.0"]
         assert list(results.contact) == ["contacts.0"]
 
+    @pytest.mark.full
     def test_units_go_along(self, results: Results) -> None:
         units = results.to_frame().attrs["units"]
         assert (units["disc.top.fy"], units["disc.top.uy"], units["energy.kinetic"]) == ("N/mm", "mm", "mJ/mm")
@@ -231,6 +232,7 @@ class TestResults:
         assert pressure.dims == ("time", "contacts.0_node")
         assert float(pressure[-1].max()) == results.contact["contacts.0"].last.pressure.max()
 
+    @pytest.mark.full
     def test_a_mesh_of_pyvista(self, results: Results) -> None:
         """Area and fields are those of the run."""
         mesh = results.mesh(0)
@@ -327,6 +329,7 @@ def contactlab_without_viewers() -> object:
 NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", some([path.stem for path in NOTEBOOKS], ["first-look"]))
 def test_notebooks_run(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Every cell runs in a fresh folder, and what it shows can be shown; stored outputs would grow old."""

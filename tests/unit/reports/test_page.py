@@ -63,6 +63,7 @@ def outline(text: str) -> Outline:
     return found
 
 
+@pytest.mark.full
 def test_tags_close_and_identifiers_are_unique(outline: Outline) -> None:
     assert outline.open == []
     assert len(set(outline.identifiers)) == len(outline.identifiers)
@@ -75,6 +76,7 @@ def test_every_run_is_in_the_table_with_its_status_and_reason(outline: Outline, 
             assert part in run
 
 
+@pytest.mark.full
 def test_what_a_run_says_against_itself_stands_beneath_it(table: Table) -> None:
     seen = RunWarning("other-slave", 3.0, 2.0, "contacts.0.swap", "segments are 3 <times> as long; swap")
     rows = [replace(row, warnings=[seen]) if row.name == "beta-disc-2" else row for row in table.rows]
@@ -110,6 +112,7 @@ def test_the_lead_names_the_most_accurate_finished_run(outline: Outline) -> None
     assert "beta (slave disc): 1.0 %" in lead
 
 
+@pytest.mark.full
 def test_plots_are_written_as_svg_and_png(table: Table, tmp_path: Path) -> None:
     write_report(table, tmp_path)
     for name in ("pressure", "error-against-cost", "bodies"):
@@ -118,6 +121,7 @@ def test_plots_are_written_as_svg_and_png(table: Table, tmp_path: Path) -> None:
     assert (tmp_path / "report.html").read_text().startswith("<!DOCTYPE html>")
 
 
+@pytest.mark.full
 def test_a_comparison_of_which_nothing_is_left_still_has_a_page(table: Table) -> None:
     def dead(row: Row) -> Row:
         return Row(row.name, row.algorithm, row.slave, row.level, row.varied, "failed", "gone", notes=["no pressure"])

@@ -51,6 +51,7 @@ def rows_in(path: Path) -> int:
     return count
 
 
+@pytest.mark.full
 def test_a_kill_between_any_two_writes_leaves_a_whole_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path, killed, write = tmp_path / "file", tmp_path / "killed", os.pwrite
     known, tried, journals, looking = [0], [0], [0], list[bool]()

@@ -85,6 +85,7 @@ def test_before_the_only_state_in_equilibrium_nothing_counts() -> None:
     assert force["value"] == 99.0
 
 
+@pytest.mark.full
 def test_a_static_run_has_the_peaks_of_its_own_curve(tmp_path: Path) -> None:
     """Pressed down to half of the load and lifted again: the peak is the corner, whose force the curve has."""
     there_and_back = {"ramp": "table", "points": [[0.0, 0.0], [0.5, 1.0], [1.0, 0.0]], "to": -0.02}

@@ -150,6 +150,7 @@ def test_counts_of_kept_rows_need_no_rows_at_hand(before: Thinning) -> None:
     assert found == tried
 
 
+@pytest.mark.full
 def test_hdf5_keeps_no_more_of_a_file_than_it_is_allowed(tmp_path: Path) -> None:
     """Indices of chunks grow with the rows: unless what HDF5 holds of them is bounded, runs grow by 2 bytes a step."""
     growing = GrowingFile(tmp_path / "file", new=True)

@@ -53,6 +53,7 @@ print(json.dumps([missing, hits, left, values.tolist()]))
 """
 
 
+@pytest.mark.full
 def test_what_was_compiled_ahead_is_loaded(tmp_path: Path) -> None:
     (tmp_path / "some_package").mkdir()
     (tmp_path / "some_package" / "__init__.py").write_text("")

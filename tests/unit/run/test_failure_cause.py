@@ -110,6 +110,7 @@ def test_friction_that_pulls_both_ways_is_no_limit_load(push: float) -> None:
     assert ("limit load" in cause_of_failure(model, scene, (), 0.1)) is (push > 0.0)
 
 
+@pytest.mark.full
 def test_a_body_that_tips_is_a_limit_load() -> None:
     """A block 1 wide and 3 high under 2 N/mm, pushed at its head: it tips at F = 2 * 0.5 / 3, in 4 of 5 of the push."""
     scene = pushed(1.5, 1.25 / 3.0).with_({
@@ -144,6 +145,7 @@ def test_friction_that_is_too_little_from_the_start_is_named(algorithm: str) -> 
     assert "only friction holds block against sliding along x, and it is too weak from the start" in reason
 
 
+@pytest.mark.full
 def test_friction_is_not_blamed_for_a_body_that_tips_from_the_start() -> None:
     """Pressed straight down with its middle 0.1 beyond the end of the floor: nothing pushes it along."""
     scene = pushed(0.5, 0.0).with_({

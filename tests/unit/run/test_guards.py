@@ -207,6 +207,7 @@ def test_energy_from_nowhere() -> None:
     assert "try the other side as slave" in reason
 
 
+@pytest.mark.full
 def test_steps_too_long_for_what_happens() -> None:
     """Fine cells at the corners are bent within a few steps: 0.9 of the stable step misses what half of it follows.
 
@@ -351,6 +352,7 @@ def test_a_fixed_step_that_the_stable_one_falls_below_is_told() -> None:
 # --- what is left of a run that was stopped ---------------------------------------------------------
 
 
+@pytest.mark.full
 def test_a_stopped_run_returns_1_and_its_folder_can_be_read(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     from contactlab.cli import main
 

@@ -193,6 +193,7 @@ def test_nothing_costs_no_iteration() -> None:
     assert results.history["time"][-1] == 1.0
 
 
+@pytest.mark.full
 def test_a_step_that_a_guard_objects_to_is_cut(monkeypatch: pytest.MonkeyPatch) -> None:
     """Steps over 0.03 end in positions that a guard stops the run for; shorter ones do not."""
     look, begun = Guards.check_positions, [0.0]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 from typing import Any
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -38,6 +39,7 @@ value = st.recursive(
 )
 
 
+@pytest.mark.full
 @settings(deadline=None, max_examples=50)
 @given(st.sampled_from(ALL), value)
 def test_any_value_anywhere(path: tuple[Any, ...], new: Any) -> None:

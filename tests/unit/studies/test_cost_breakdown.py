@@ -201,6 +201,7 @@ def test_the_dearest_effect_comes_first_and_reasons_below() -> None:
     assert "friction" in shown[shown.index("Can be switched off") :]
 
 
+@pytest.mark.full
 @pytest.mark.usefixtures("fake_runs")
 def test_a_cost_breakdown_is_one_table_one_plot_and_a_page(tmp_path: Path) -> None:
     table = compare(scene(COULOMB), out=tmp_path / "out", jobs=2, effects=True)

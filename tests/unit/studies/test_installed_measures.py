@@ -74,6 +74,7 @@ def registry(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Registry:
     return Registry(files=[tmp_path / "measures_of_others.py"])
 
 
+@pytest.mark.full
 @pytest.mark.usefixtures("fake_runs")
 def test_they_are_in_the_table_its_files_and_the_report(registry: Registry, tmp_path: Path) -> None:
     """Fake runs give a parabola with 1 % more or less; each is compared with the solution of its own scene."""

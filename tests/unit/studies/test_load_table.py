@@ -43,6 +43,7 @@ def same(a: Row, b: Row) -> None:
         assert b.history[name] == pytest.approx(column, nan_ok=True)
 
 
+@pytest.mark.full
 def test_rows_curves_and_reference(made: Table) -> None:
     assert made.folder is not None
     read = contactlab.load_table(made.folder)

@@ -167,6 +167,7 @@ class TestReferences:
 QUICK = {"time.end": 2e-6, "time.ramp": 1e-5, "record.recorders": ["vtkhdf"], "record.frames": 4}
 
 
+@pytest.mark.full
 def test_real_runs_and_what_only_the_model_refuses_give_rows(tmp_path: Path) -> None:
     scene = load_scene("disc-on-block").with_(QUICK)
     vary = {"contacts.0.master": ["block.top", "block.roof"]}

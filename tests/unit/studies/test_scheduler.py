@@ -193,6 +193,7 @@ def test_wrong_schedulers_are_refused_before_anything_is_made(tmp_path: Path, mo
         DaskPool("tcp://127.0.0.1:9", 1, None)
 
 
+@pytest.mark.full
 def test_a_call_of_a_worker_that_is_killed_is_served_by_another(cluster: Cluster, tmp_path: Path) -> None:
     with open_pool(cluster.address, 2) as pool:
         future = pool.submit(Call(cluster.tasks.once_more, (5, str(tmp_path))))

@@ -218,6 +218,7 @@ def test_an_old_address_is_an_error_where_others_are_bound_by_then() -> None:
         total(address)
 
 
+@pytest.mark.full
 def test_a_table_whose_numbers_are_used_up_is_not_used_again() -> None:
     """Serial numbers never begin anew, and addresses stay positive."""
     array, seen = np.ones(2), set()

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 from llvmlite.binding import Linkage
 
 from contactlab.api.compiled.kernel import kernel
@@ -75,6 +76,7 @@ def passed(x):
 """
 
 
+@pytest.mark.full
 def test_an_error_of_a_part_carries_its_numbers_also_from_the_cache(tmp_path: Path) -> None:
     """What it is made of in Python lies in the environment of the part, of which the kernel has a copy."""
     (tmp_path / "raises.py").write_text(RAISES)
@@ -87,6 +89,7 @@ def test_an_error_of_a_part_carries_its_numbers_also_from_the_cache(tmp_path: Pa
         assert done.stdout.strip() == "('below zero', -2.5)"
 
 
+@pytest.mark.full
 def test_one_file_of_machine_code_for_a_kernel_and_one_result_however_it_is_loaded(tmp_path: Path) -> None:
     """Compiled, loaded after the kernel that it calls was compiled, and after that was loaded.
 

@@ -157,6 +157,7 @@ def test_what_is_overridden_is_there_in_this_version_of_numba() -> None:
     }
 
 
+@pytest.mark.full
 def test_kernels_may_hold_functions_and_reckon_with_whole_arrays() -> None:
     """Neither is usual here, both are numba's."""
 
@@ -172,6 +173,7 @@ def test_kernels_may_hold_functions_and_reckon_with_whole_arrays() -> None:
     np.testing.assert_array_equal(out, [0.0, 3.0, 8.0])
 
 
+@pytest.mark.full
 def test_without_numba_kernels_are_plain_functions() -> None:
     """NUMBA_DISABLE_JIT serves to step through kernels with a debugger."""
     source = (
