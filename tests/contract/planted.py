@@ -591,6 +591,7 @@ PLANTED: dict[str, tuple[Defect, ...]] = {
 }
 
 NOT_CAUGHT: dict[tuple[str, str], str] = {
+    ("right viscoelastic", "decay twice as fast as the ramp"): "another law: half of tau, of first order in the step",
     ("template element", "points at a third"): "another rule that is as exact as its degree asks for",
     ("right drucker", "stronger in tension"): "another law",
     ("template friction", "no checks"): "limits of fields are the author's",

@@ -30,6 +30,7 @@ from contactlab.testing.points import (
 )
 from contactlab.testing.scales import AROUND
 
+HELD = 5, 50  # steps in which a law's own time passes: stresses of one of first order differ by a tenth
 POINTS = 40
 STRAIN = 0.1  # of random states: finite, and far from the folding that no law has to stand
 
@@ -184,6 +185,29 @@ def _feels_the_rate(law: Material, gradient: Floats, history: Floats) -> None:
             change > 1e-4 * float(np.abs(middle).max()),
             f"steps of its own time ({law.time_scale}) and of {text} of it give the same stress: rate_dependent is set",
         )
+    _relaxes_if_held(law, gradient, history)
+
+
+def _relaxes_if_held(law: Material, gradient: Floats, history: Floats) -> None:
+    """The stress of a strain that is reached at once and then held changes by time, and not by the number of steps."""
+    if not law.history_size:
+        return
+    reached, history = respond(law, gradient, history, elastic_step(law))
+    held = at_rest(law, POINTS) if law.kinematics == "rate" else gradient
+    few, many = (_change(law, held, reached, history, steps) for steps in HELD)
+    require(
+        many < 2.0 * few and few < 2.0 * many,
+        f"a strain that is held for the law's own time ({law.time_scale}): its stress changes by {few:.3g} MPa in "
+        f"{HELD[0]} steps and by {many:.3g} MPa in {HELD[1]}, allowed: a factor of 2 between them",
+    )
+
+
+def _change(law: Material, held: Floats, before: Floats, history: Floats, steps: int) -> float:
+    """Largest change of stress [MPa] while the law's own time passes in so many steps."""
+    stress = before
+    for _ in range(steps):
+        stress, history = respond(law, held, history, usual_step(law) / steps)
+    return float(np.abs(stress - before).max())
 
 
 def energy_is_positive(law: Material) -> None:
