@@ -196,7 +196,7 @@ def _relaxes_if_held(law: Material, gradient: Floats, history: Floats) -> None:
     held = at_rest(law, POINTS) if law.kinematics == "rate" else gradient
     few, many = (_change(law, held, reached, history, steps) for steps in HELD)
     require(
-        many < 2.0 * few and few < 2.0 * many,
+        many <= 2.0 * few and few <= 2.0 * many,
         f"a strain that is held for the law's own time ({law.time_scale}): its stress changes by {few:.3g} MPa in "
         f"{HELD[0]} steps and by {many:.3g} MPa in {HELD[1]}, allowed: a factor of 2 between them",
     )
