@@ -11,7 +11,7 @@ from contactlab.api import ContactCurve, Floats, Record
 from contactlab.jobs.mean_forces import MEANS
 from contactlab.parts.registry import Registry
 from contactlab.scene.scene import Scene
-from contactlab.studies.profile import FoldedSurfaceError, Profile, Window, distance, norm
+from contactlab.studies.profile import FoldedSurfaceError, Profile, Window, bearing, distance, norm
 from contactlab.studies.root_edges import with_root_edges
 
 COUNTS = 0.02
@@ -44,7 +44,7 @@ class Line:
 
 def line_of(curve: ContactCurve) -> Line | None:
     """The first line along which the pressure of a curve is a function; None without one or without pressure."""
-    pressed = np.flatnonzero(np.nan_to_num(np.asarray(curve.pressure, float)))
+    pressed = np.flatnonzero(bearing(np.nan_to_num(np.asarray(curve.pressure, float))))
     if len(pressed) == 0:
         return None
     x, y = np.asarray(curve.x, float), np.asarray(curve.y, float)

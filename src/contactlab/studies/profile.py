@@ -9,13 +9,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contactlab.api.arrays import Floats
+from contactlab.api.arrays import Flags, Floats
 from contactlab.results.results import ContactCurve
 
 Window = tuple[float, float]
 
 # Two Gauss points integrate cubics exactly, and being interior they never meet the jump at a chain end.
 _GAUSS = 0.5 / np.sqrt(3.0)
+
+
+NOTHING = 1e-6
+"""Of the largest pressure: less is what the inverse of T carries on from an edge, a millionth from node to node."""
 
 
 class FoldedSurfaceError(ValueError):
@@ -94,9 +98,15 @@ def _in_order(x: Floats, value: Floats) -> tuple[Floats, Floats] | None:
     return None
 
 
+def bearing(value: Floats) -> Flags:
+    """Return whether each node bears a part of the load: more than `NOTHING` of the largest value."""
+    size = np.abs(value)
+    return np.asarray(size > NOTHING * size.max(initial=0.0))
+
+
 def _pressed_part(x: Floats, value: Floats) -> tuple[Floats, Floats]:
-    """Part from the node before the first value that is not zero to the node after the last one."""
-    pressed = np.flatnonzero(value)
+    """Part from the node before the first one that bears to the node after the last one."""
+    pressed = np.flatnonzero(bearing(value))
     if pressed.size == 0:
         return x[:0], value[:0]
     part = slice(max(pressed[0] - 1, 0), pressed[-1] + 2)

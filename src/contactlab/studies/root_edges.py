@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from contactlab.api.arrays import Floats
-from contactlab.studies.profile import Profile
+from contactlab.studies.profile import Profile, bearing
 
 LEFT_OUT = 2
 """Nodes next to an edge that are replaced."""
@@ -21,8 +21,6 @@ CLOSE = 0.025
 """Largest residual of the fit, over the largest p^2 in it, with which an edge is taken for a root."""
 REACH = (0.5, 2.0)
 """Segments inside and outside of the last pressed node between which the edge is sought."""
-NOTHING = 1e-6
-"""Of the largest pressure: less is what the inverse of T carries on from the edge, a millionth from node to node."""
 POINTS = 32
 """Points of the replaced part, quadratically denser to the edge."""
 
@@ -55,7 +53,7 @@ def _contacts(p: Floats) -> list[tuple[int, int]]:
     """First and last node of each part whose pressure is not small against the largest."""
     if len(p) == 0:
         return []
-    steps = np.flatnonzero(np.diff(np.r_[0, p > NOTHING * p.max(), 0]))
+    steps = np.flatnonzero(np.diff(np.r_[0, (p > 0.0) & bearing(p), 0]))
     parts = zip(steps[::2].tolist(), (steps[1::2] - 1).tolist(), strict=True)
     return [(first, last) for first, last in parts if p[first : last + 1].max() > CLOSE * p.max()]
 
