@@ -14,7 +14,7 @@ FUZZ = Path(__file__).parents[1] / "abuse" / "fuzz.py"
 
 
 @pytest.mark.timeout(900)
-@pytest.mark.parametrize("cases", [60, pytest.param(500, marks=pytest.mark.full)])
+@pytest.mark.parametrize("cases", [150, pytest.param(500, marks=pytest.mark.full)])
 def test_what_is_wrong_or_strange_works_or_is_refused_in_words(cases: int) -> None:
     """In a process of its own: what other tests left in memory is no part of a scene's peak."""
     words = [sys.executable, str(FUZZ), "--quick", "--json", "--cases", str(cases), "--seed", str(SEED)]
