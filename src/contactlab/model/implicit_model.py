@@ -88,7 +88,7 @@ class ImplicitModel(Model):
         return loaded
 
     def begin_step(self, dt: float) -> None:
-        """Take the present state as the start of a step of length dt [s]; 0 after a step was taken back."""
+        """Begin a step of length dt [s] at the present state; dt = 0 puts everything back after a rejected step."""
         np.add(self.reference, self.state["displacement"], out=self.position)
         self._start[:] = self.state["displacement"]
         for forces in self.forces:

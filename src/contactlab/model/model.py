@@ -130,7 +130,7 @@ class Model(ABC):
         self.seconds += perf_counter() - began
 
     def make_constraints(self) -> None:
-        """Make the constraints of contact at the present positions: those of a state that no step has led to."""
+        """Make the constraints of contact at the present positions, for a state that was not reached by a step."""
         for pair in self.contact.passes if self.contact is not None else ():
             pair.update(self.position, pair.memory_in(self.state).copy())
 

@@ -34,7 +34,10 @@ class KeptState:
         self.step, self.dt = model.state.step, dt
 
     def bring_back(self, model: Model) -> None:
-        """Bring state, positions and near lists back, in the model of the run or in another one of its scene."""
+        """Bring state, positions and near lists back, in the model of the run or in another one of its scene.
+
+        Constraints follow with the next step.
+        """
         for name, field in self.fields.items():
             np.copyto(model.state[name], field)
         np.add(model.reference, model.state["displacement"], out=model.position)

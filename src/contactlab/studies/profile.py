@@ -14,12 +14,11 @@ from contactlab.results.results import ContactCurve
 
 Window = tuple[float, float]
 
+NOTHING = 1e-6
+"""Share of the largest pressure up to which a node bears nothing: the inverse of T carries so much on to the next."""
+
 # Two Gauss points integrate cubics exactly, and being interior they never meet the jump at a chain end.
 _GAUSS = 0.5 / np.sqrt(3.0)
-
-
-NOTHING = 1e-6
-"""Of the largest pressure: less is what the inverse of T carries on from an edge, a millionth from node to node."""
 
 
 class FoldedSurfaceError(ValueError):
