@@ -24,6 +24,7 @@ from contactlab.run.resolution import coarse_facets, few_nodes, nearest_points, 
 if TYPE_CHECKING:
     from contactlab.contact.implicit_system import ImplicitContactSystem
     from contactlab.contact.pair import ContactPair
+    from contactlab.model.implicit_model import ImplicitModel
     from contactlab.results.contact_report import ContactReport
 
 JUMP = 0.2  # of the largest work: a disc pressed by a fifth of its radius in one step has 0.05, others below 0.02
@@ -50,7 +51,7 @@ def judge(
         if one.broken:
             model.warnings.add(breach(one, model))
     model.warnings.add(*_jumps(model, sample, largest_work))
-    curved = []
+    curved, failing = [], []
     for pair in model.contact.pairs if model.contact is not None else ():
         report = sample.contacts[pair.name]
         force = model.state["multipliers"][0]  # fits without a load touch with round-off
@@ -65,11 +66,17 @@ def judge(
             # on flat sides that do not match, distances of nodes are no error: their averages are zero
             sides = pair.slave, pair.master
             judged = not model.integrator.inertia and pair.start_distance is None
+            if not (model.integrator.inertia or pair.half or pair.by_energy or pair.method.passes_patch_test):
+                failing.append(pair)
             if judged and any(facet_depths(side, model.reference).any() for side in sides):
                 curved.append(pair)
             pressed = model.state["multipliers"][0, pair.own] > 0.0
             if np.count_nonzero(pressed) >= ENOUGH:  # of one or two conditions the force alone is known
                 _judge_pressure(pair.name, report.force_error(report.covered_integral), sample.step)
+    if failing:
+        from contactlab.run.patch_error import patch_errors
+
+        model.warnings.add(*patch_errors(cast("ImplicitModel", model), failing))
     if curved:
         model.warnings.add(*warn_of_kept_gaps(model, curved, sample.energies["stored"] + sample.energies["plastic"]))
 

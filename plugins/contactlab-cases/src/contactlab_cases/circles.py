@@ -89,13 +89,13 @@ def peak_error(record: Record, at: Floats, exact: Callable[[Floats], Floats]) ->
 def hertz_measures(peak: float, width: float, l2: float, why: str) -> list[Measure]:
     """Errors of p0 and of p, and of the half-width in segments; if one is infinite, it is only reported.
 
-    A run that warns of a saw-tooth has named what its errors of the pressure come from.
+    A run that warns of a saw-tooth, or of forces at other nodes, has named what its errors of the pressure come from.
     """
-    saw = ("pressure-saw",)
+    told = ("pressure-saw", "patch-test")
     return [
-        _or_told(error("largest pressure", peak, why, codes=saw)),
+        _or_told(error("largest pressure", peak, why, codes=told)),
         _or_told(error("half-width in segments", width, "nodes show the end of contact to half a segment", "h")),
-        _or_told(error("L2 of the pressure", l2, why, codes=saw)),
+        _or_told(error("L2 of the pressure", l2, why, codes=told)),
         reported("L2 of exact nodal values"),
         reported("segments in the half-width"),
         reported("iterations"),

@@ -90,6 +90,7 @@ class RingsPressed(Case):
                 0.001,
                 "second order: 1e-4 on 48 cells a quarter, and geometry adds 1e-5",
                 order=2.0,
+                codes=("patch-test",),
             ),
             within("order of the carried pressure", 1.8, 2.6, "two of bilinear elements; coarse meshes are beyond it"),
             at_most("mean pressure, error", 0.002, "half of the error in L2 if all nodes are in error"),
