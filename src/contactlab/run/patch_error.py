@@ -117,7 +117,7 @@ def _operators(model: ImplicitModel, pair: ContactPair, nodal: Floats) -> tuple[
     slave, master, place = pair.slave, pair.master, model.position[pair.slave.nodes]
     length = slave.lengths(place)
     shortest = float(master.lengths(model.position[master.nodes]).min())
-    pressed = nodal[slave.edges].any(axis=(1, 2))[slave.segment_edge[:, 0]]
+    pressed = np.asarray(nodal[slave.edges].any(axis=(1, 2)))[slave.segment_edge[:, 0]]
     found = list[tuple[tuple[Ints, Floats], tuple[Ints, Floats], Floats]]()
     for segment in np.flatnonzero(pressed).tolist():
         count = POINTS * ceil(length[segment] / min(shortest, length[segment]))
