@@ -46,6 +46,8 @@ FAR = 4.0
 """Times the cheapest run of its level that it may take: for so much there is one on a mesh nearly twice as fine."""
 BEST_ORDER = 1.5
 """Order of convergence that a trial may hope for."""
+LUCK = 0.6
+"""Times the error hoped for that one may have whose edges of contact fall well in their cells: once one is found."""
 REPEATS = 3
 """Timed runs of those that may be the cheapest; costs are medians."""
 STEPS = 0.25
@@ -231,12 +233,13 @@ class _Search:
         """The two cheapest trials that may keep the error, of each configuration the coarsest."""
         trials = self.trials
         best = min((trials.cost(place) for place in trials.meeting(truth)), default=math.inf)
+        luck = LUCK if math.isfinite(best) and trials.pressed() else 1.0
         target = self.wish.error - truth.uncertainty - trials.doubt
         found: list[tuple[float, Place]] = []
         for each in trials.configurations():
             errors = trials.errors(each)
             for level in LEVELS if errors and target > 0.0 else ():
-                if (each, level) in trials.all or level > truth.level or _hoped(errors, level) > target:
+                if (each, level) in trials.all or level > truth.level or luck * _hoped(errors, level) > target:
                     continue
                 cost = self._cost(each, level)
                 if cost < min(best, self.wish.budget) and best > EQUAL:

@@ -22,6 +22,8 @@ ALONE = 1.5
 """Times the error that a single line of runs leaves by its own estimate: nothing stands beside it."""
 NEAR_FINEST = 0.6
 """Level over the finest one from which on a run takes part in the reference."""
+ALIKE = 3.0
+"""Times the least error left of these runs up to which others are as exact."""
 
 
 @dataclass(frozen=True)
@@ -122,11 +124,9 @@ def beside(pairs: Sequence[tuple[float, Ladder]], most: int) -> list[tuple[float
 
 
 def truth_of(ladders: Sequence[Ladder], judged: Judged, climbers: int) -> Truth | None:
-    """The mean of the best runs near the finest level, with weights 1/u for errors u left; None without two levels.
+    """The mean of the best runs near the finest level, or of those alike exact: the better known; None without any.
 
-    Its uncertainty is the largest of the error of the mean (squared: the mean of u^2 minus the mean squared distance
-    from the mean), of these distances, and of the distances of the best runs with other elements or slaves beyond twice
-    their own errors.
+    One that is much less exact than the others adds more to their mean than it takes away.
     """
     known = ranked([each for each in ladders if len(each.values) > 1], judged)
     pairs = sorted(((judged.safety * left, ladder) for left, ladder in known), key=lambda pair: pair[0])
@@ -134,7 +134,21 @@ def truth_of(ladders: Sequence[Ladder], judged: Judged, climbers: int) -> Truth 
         return None
     best = beside(pairs, climbers)
     finest = max(ladder.finest for _, ladder in best)
-    within = [pair for pair in best if pair[1].finest >= NEAR_FINEST * finest]
+    near = [pair for pair in best if pair[1].finest >= NEAR_FINEST * finest]
+    alike = [pair for pair in near if pair[0] <= ALIKE * near[0][0]]
+    means = [_mean(within, best, judged) for within in ([near, alike] if len(alike) < len(near) else [near])]
+    return min((Truth(*mean, finest, len(near) == 1) for mean in means), key=lambda truth: truth.uncertainty)
+
+
+def _mean(
+    within: Sequence[tuple[float, Ladder]], best: Sequence[tuple[float, Ladder]], judged: Judged
+) -> tuple[Any, float, str]:
+    """Mean of the finest runs of ladders, with weights 1/u for errors u left, its uncertainty, and whose it is.
+
+    The uncertainty is the largest of the error of the mean (squared: the mean of u^2 minus the mean squared distance
+    from the mean), of these distances, and of the distances of the best runs with other elements or slaves beyond twice
+    their own errors.
+    """
     values: list[Any] = [judged.sharpened(ladder.values[ladder.finest]) for _, ladder in within]
     own = np.array([max(left, 1e-12) for left, _ in within])
     weights = 1.0 / own / np.sum(1.0 / own)
@@ -147,5 +161,4 @@ def truth_of(ladders: Sequence[Ladder], judged: Judged, climbers: int) -> Truth 
         best_run: Any = judged.sharpened(ladder.values[ladder.finest])
         off = judged.apart(best_run, mean)
         uncertainty = max(uncertainty, off - 2.0 * left)
-    names = " and ".join(f"{ladder.name} at level {ladder.finest}" for _, ladder in within)
-    return Truth(mean, float(uncertainty), names, finest, len(within) == 1)
+    return mean, float(uncertainty), " and ".join(f"{ladder.name} at level {ladder.finest}" for _, ladder in within)

@@ -265,12 +265,13 @@ class Trials:
         return self._off[place]
 
     def errors(self, configuration: Configuration) -> dict[int, float]:
-        """Errors by level: of each the largest from there on, since one that crosses zero on its way is no luck."""
+        """Errors by level; of forces the largest from there on: a number that crosses zero on its way is no luck."""
         largest, found = 0.0, {}
         for level in sorted(self.ladder(configuration), reverse=True):
             error = self.error((configuration, level))
             if not math.isnan(error):
-                found[level] = largest = max(largest, error)
+                largest = max(largest, error)
+                found[level] = error if self.pressed() else largest
         return dict(sorted(found.items()))
 
     def meeting(self, truth: Truth) -> list[Place]:

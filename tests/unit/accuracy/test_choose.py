@@ -23,7 +23,8 @@ from contactlab.accuracy.configuration import (
     possible,
 )
 from contactlab.accuracy.judged import Judge, PressuresJudged, line_of, mean_profile
-from contactlab.accuracy.remaining import Ladder, left_at, truth_of
+from contactlab.accuracy.remaining import Ladder, Truth, left_at, truth_of
+from contactlab.accuracy.trials import Trial, Trials
 from contactlab.api import ContactCurve, Job, Record
 from contactlab.cli import main
 from contactlab.jobs.perform import LEEWAY, made
@@ -467,6 +468,38 @@ def test_a_run_that_disagrees_widens_the_uncertainty() -> None:
     assert apart is not None
     assert agreeing.uncertainty < 0.005
     assert apart.uncertainty > 0.08
+
+
+def test_a_run_that_is_much_less_exact_does_not_spoil_the_others() -> None:
+    """A tenth of the mean would be of a run that is off by 9 %: alone the other one is known to 1.5 times its error."""
+    x = np.linspace(-1.0, 1.0, 101)
+    judged = PressuresJudged(Judge())
+
+    def ladder(name: str, off: float) -> Ladder:
+        return Ladder(name, (name,), {n: {0: Profile(x, (1.0 + off / n) * EXACT(x))} for n in (1, 2, 4)}, 1.0)
+
+    exact, poor = ladder("exact", 0.04), ladder("poor", 0.36)
+    truth = truth_of([exact, poor], judged, 3)
+    assert truth is not None
+    assert truth.words == "exact at level 4"
+    assert not truth.alone
+    assert truth.uncertainty == pytest.approx(0.015, rel=0.2)
+
+
+def test_an_edge_of_contact_may_fall_well() -> None:
+    """Pressures that happen to be right at level 3 are taken, where forces that cross zero are not."""
+    judged = Trials(SCENE, Wish(0.02), default_registry())
+    first, truth = Configuration("mortar-p1"), EXACT
+    for level, off in ((2, 0.04), (3, 0.01), (4, 0.023)):
+        made = judged.all[first, level] = Trial("finished", "", [0.1 * level])
+        made.pressures, made.forces = {0: Profile(EXACT.x, (1.0 + off) * EXACT.value)}, np.array([1.0 + off])
+        made.facts = {"pressed": True}
+    judged._judged_at, judged._truth = 3, Truth({0: truth}, 0.0, "exact", 8)
+    assert judged.errors(first) == pytest.approx({2: 0.04, 3: 0.01, 4: 0.023}, rel=1e-6)
+    for trial in judged.all.values():
+        trial.pressures, trial.facts = {}, {"pressed": False}
+    judged._off, judged._truth = {}, Truth(np.array([1.0]), 0.0, "exact", 8)
+    assert judged.errors(first) == pytest.approx({2: 0.04, 3: 0.023, 4: 0.023}, rel=1e-6)
 
 
 def test_a_cheap_coarse_run_is_no_reference() -> None:
