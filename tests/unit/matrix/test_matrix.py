@@ -91,7 +91,7 @@ def test_every_cell_has_a_verdict(made: Path) -> None:
     assert len(cells) == 4
     by_name = {(key[0], key[2]): verdict for key, verdict in cells.items()}
     assert by_name["patch", "mortar-p1"] == "met"
-    assert by_name["patch", "node-on-segment"] == "silent"
+    assert by_name["patch", "node-on-segment"] == "missed"
 
 
 def test_the_page_and_json_say_the_same(made: Path) -> None:
@@ -106,8 +106,8 @@ def test_the_page_and_json_say_the_same(made: Path) -> None:
             assert (made / "scenes" / f"{key}.toml").is_file()
 
 
-def test_silent_cells_come_first_and_the_page_explains_verdicts(made: Path) -> None:
-    """`patch` is silent with nodes on segments, and `pulled-block`, which comes later in the plan, is not."""
+def test_the_worst_cells_come_first_and_the_page_explains_verdicts(made: Path) -> None:
+    """`patch` is missed with nodes on segments, and `pulled-block`, which comes later in the plan, is not."""
     worst = [WORST.index(cell["verdict"]) for cell in json.loads((made / "matrix.json").read_text())["cells"]]
     assert worst == sorted(worst)
     assert len(set(worst)) > 1
@@ -148,7 +148,7 @@ def test_worse_is_told_and_is_the_exit_status(made: Path, tmp_path: Path, capsys
     better = (made / "matrix.csv").read_text().replace(",silent,", ",met,").replace(",missed,", ",met,")
     (tmp_path / "before.csv").write_text(better)
     assert run(made, *ASKED, "--resume", "--against", str(tmp_path / "before.csv")) == 1
-    assert "met, now silent" in capsys.readouterr().out
+    assert "met, now missed" in capsys.readouterr().out
 
 
 def test_better_new_and_gone_are_told_apart() -> None:
