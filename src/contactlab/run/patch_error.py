@@ -27,7 +27,7 @@ HIGH = 0.01  # of the largest displacement
 UNEVEN = 0.04  # of the pressure, in L2: Hertz contacts with eight segments, whose errors the mesh rules, have 0.032
 MATCH = 0.01  # of the forces: less does not reach other nodes
 POINTS = 8  # on the shorter of two segments: the midpoint rule is right to 1 % of a force there
-COVERED = 0.01  # of the largest entry of the mass of a surface: a node with less carries nothing
+COVERED = 0.01  # of what a node stands for: with less of it facing the master, it carries nothing
 
 
 class Effect(NamedTuple):
@@ -89,18 +89,20 @@ def _effects(model: ImplicitModel, pairs: list[ContactPair]) -> Iterator[tuple[C
 
 def _wrong_forces(model: ImplicitModel, pair: ContactPair) -> Floats | None:
     """Forces (N, 2) [N] on the master by the traction on the slave, less those of the algorithm; None if they agree."""
-    given, wrong, (slave, master) = (
-        _given_forces(model, pair),
-        np.zeros_like(model.reference),
-        (pair.slave, pair.master),
-    )
+    slave, master = pair.slave, pair.master
+    given, wrong = _given_forces(model, pair), np.zeros_like(model.reference)
     if not given[slave.nodes].any():
         return None
     mass, passed = _operators(model, pair, given[slave.nodes])
-    carries = np.flatnonzero(mass.diagonal() > COVERED * mass.diagonal().max())
+    ends = np.repeat(slave.lengths(model.position[slave.nodes]), 2)
+    whole = np.bincount(slave.segments.ravel(), ends, len(slave.nodes)) / 3.0
+    carries = np.flatnonzero(mass.diagonal() > COVERED * whole)
     if not len(carries):
         return None
-    traction = splu(mass[carries][:, carries].tocsc()).solve(given[slave.nodes[carries]])
+    try:
+        traction = splu(mass[carries][:, carries].tocsc()).solve(given[slave.nodes[carries]])
+    except RuntimeError:
+        return None  # too little of some node faces the master
     right = -(passed[carries].T @ traction)
     wrong[master.nodes] = _without_resultant(
         right - given[master.nodes], np.hypot(*right.T), model.position[master.nodes]
