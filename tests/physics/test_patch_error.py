@@ -15,6 +15,18 @@ from contactlab.scene.scene import Scene
 DEPTH = 0.01
 
 
+def simulated(law: dict[str, Any], bodies: dict[str, Any], **rest: Any) -> Results:
+    """Statics of bodies of one material, q1 unless they say otherwise."""
+    data = {
+        "format": 1,
+        "name": "patch",
+        "integrator": {"use": "newton", "steps": 1},
+        "materials": {"m": law | {"density": 1.0}},
+        "bodies": {name: {"element": "q1", "material": "m"} | body for name, body in bodies.items()},
+    }
+    return simulate(Scene.from_data(data | rest, registry=default_registry()))
+
+
 def pressed(
     cells: tuple[int, int],
     contact: str = "node-on-segment",
@@ -27,21 +39,16 @@ def pressed(
     width  of the lower block
     """
     upper, lower = cells
-    body = {"element": element, "material": "m"}
     mesh = {"use": "rectangle", "x": [0.0, 1.0]}
-    data = {
-        "format": 1,
-        "name": "patch",
-        "integrator": {"use": "newton", "steps": 1},
-        "materials": {"m": {"use": "linear-elastic", "young": 1e6, "poisson": 0.0, "density": 1.0}},
-        "bodies": {
-            "upper": body | {"mesh": mesh | {"y": [0.5, 1.0], "cells": [upper, 3]}},
-            "lower": body | {"mesh": mesh | {"x": list(width), "y": [0.0, 0.5], "cells": [lower, 3]}},
+    return simulated(
+        {"use": "linear-elastic", "young": 1e6, "poisson": 0.0},
+        {
+            "upper": {"element": element, "mesh": mesh | {"y": [0.5, 1.0], "cells": [upper, 3]}},
+            "lower": {"element": element, "mesh": mesh | {"x": list(width), "y": [0.0, 0.5], "cells": [lower, 3]}},
         },
-        "contacts": [{"slave": "upper.bottom", "master": "lower.top", "algorithm": contact, **more}],
-        "supports": [{"on": "lower.bottom", "ux": 0.0, "uy": 0.0}, {"on": "upper.top", "ux": 0.0, "uy": -DEPTH}],
-    }
-    return simulate(Scene.from_data(data, registry=default_registry()))
+        contacts=[{"slave": "upper.bottom", "master": "lower.top", "algorithm": contact, **more}],
+        supports=[{"on": "lower.bottom", "ux": 0.0, "uy": 0.0}, {"on": "upper.top", "ux": 0.0, "uy": -DEPTH}],
+    )
 
 
 def told(results: Results) -> float:
@@ -90,25 +97,23 @@ def test_a_rim_is_no_wrong_node(width: tuple[float, float], cells: tuple[int, in
 def test_a_ring_that_only_friction_turns_is_not_turned(swap: bool) -> None:
     """Facets stand off each other: forces at other nodes have another torque, which nothing but sticking holds."""
     ring = {"use": "ring", "angles": [0.0, 360.0]}
-    data = {
-        "format": 1,
-        "name": "fit",
-        "integrator": {"use": "newton", "steps": 2},
-        "materials": {"m": {"use": "neo-hookean", "young": 1e4, "poisson": 0.3, "density": 1.0}},
-        "bodies": {
-            "inner": {"element": "q1", "material": "m", "mesh": ring | {"radii": [1.0, 2.004], "cells": [24, 3]}},
-            "outer": {"element": "q1", "material": "m", "mesh": ring | {"radii": [2.0, 3.0], "cells": [36, 3]}},
+    results = simulated(
+        {"use": "neo-hookean", "young": 1e4, "poisson": 0.3},
+        {
+            "inner": {"mesh": ring | {"radii": [1.0, 2.004], "cells": [24, 3]}},
+            "outer": {"mesh": ring | {"radii": [2.0, 3.0], "cells": [36, 3]}},
         },
-        "contacts": [
+        integrator={"use": "newton", "steps": 2},
+        contacts=[
             {
                 "slave": "inner.outer", "master": "outer.inner", "algorithm": "node-on-segment", "swap": swap,
                 "friction": {"use": "coulomb", "mu": 0.5}, "start": {"overlap": "ramp"},
             }
         ],
-        "supports": [{"on": "outer.outer", "ux": 0.0, "uy": 0.0}],
-        "effects": [{"use": "spring", "on": "inner", "stiffness": [1e-3, 1e-3]}],
-    }  # fmt: skip
-    assert told(simulate(Scene.from_data(data, registry=default_registry()))) < 0.2
+        supports=[{"on": "outer.outer", "ux": 0.0, "uy": 0.0}],
+        effects=[{"use": "spring", "on": "inner", "stiffness": [1e-3, 1e-3]}],
+    )  # fmt: skip
+    assert told(results) < 0.2
 
 
 def test_a_coarse_slave_is_told_with_the_place_and_what_to_do() -> None:

@@ -1,4 +1,4 @@
-"""What failing the patch test changes: forces that reach other nodes of the master than a pressure does.
+"""Estimate of the error that an algorithm makes which fails the patch test: its forces reach wrong nodes.
 
 The traction that has the work of the slave's forces, in the functions of its edges, also works on the motions of the
 master's edges, as in a mortar. In statics the equations at the end say how far bodies move by the difference from the
@@ -17,6 +17,7 @@ from scipy.sparse.linalg import splu
 
 from contactlab.api import Floats, Ints, RunWarning, Surface
 from contactlab.contact.pair import ContactPair
+from contactlab.formulas.segment_kernels import trace
 from contactlab.implicit.factor import Factor, SingularSystem
 from contactlab.meshing.curves import nearest_segments
 from contactlab.model.implicit_model import ImplicitModel
@@ -31,7 +32,7 @@ COVERED = 0.01  # of what a node stands for: with less of it facing the master, 
 
 
 class Effect(NamedTuple):
-    """What the wrong forces of a pair do.
+    """Effect of the forces of a pair that reach wrong nodes.
 
     node      of the model, that moves furthest
     moved     its way over the largest displacement
@@ -88,7 +89,7 @@ def _effects(model: ImplicitModel, pairs: list[ContactPair]) -> Iterator[tuple[C
 
 
 def _wrong_forces(model: ImplicitModel, pair: ContactPair) -> Floats | None:
-    """Forces (N, 2) [N] on the master by the traction on the slave, less those of the algorithm; None if they agree."""
+    """Return the right forces on the master minus those of the algorithm (N, 2) [N]; None if they agree."""
     slave, master = pair.slave, pair.master
     given, wrong = _given_forces(model, pair), np.zeros_like(model.reference)
     if not given[slave.nodes].any():
@@ -179,9 +180,6 @@ def _given_forces(model: ImplicitModel, pair: ContactPair) -> Floats:
 def _trace(surface: Surface, segments: Ints, share: Floats) -> tuple[Ints, Floats]:
     """Nodes (n, b) of the edges of segments, and their functions (n, b) at a share (n,) of each segment."""
     edge, half = surface.segment_edge[segments].T
-    if surface.edges.shape[1] == 2:
-        return surface.edges[edge], np.stack([1.0 - share, share], axis=1)
-    x = 0.5 * (half + share)
-    return surface.edges[edge], np.stack(
-        [(1.0 - x) * (1.0 - 2.0 * x), x * (2.0 * x - 1.0), 4.0 * x * (1.0 - x)], axis=1
-    )
+    count = surface.edges.shape[1]
+    values = [trace.py_func(count, half, share, i) for i in range(count)]  # type: ignore[attr-defined]
+    return surface.edges[edge], np.stack(values, axis=1)
