@@ -43,6 +43,8 @@ STIFFENS = (
 BY_STEPS = "pressures follow the stress and are found by iterations: what is left is Newton's tolerance"
 UNHELD = "nothing but friction holds the body, and friction of a potential holds nothing before surfaces press"
 MORE = "potentials take 1.5 to 4 times the iterations of a mortar, more than the work limit allows"
+SLOW = f"{MORE}, within the 60 s that a run had here"
+SLIPS = "friction of a potential grows with the slip of a step: it stays below its bound by less than is warned of"
 NO_START = "finds no first equilibrium, or presses no node; the run reports it"
 NOT_EXAMINED = "not examined"
 POINTS = "points of a slave segment do not see where segments of the master end: a constant pressure passes to 1 to 3 %"
@@ -82,17 +84,21 @@ CAUSES: dict[tuple[str, str, str], str] = {
     ("bars-with-gap", "midplane", "silent"): GIVES,
     ("patch", "barrier", "silent"): GIVES,
     ("rigid-punch", "barrier", "silent"): "a clearance, and pressures spread over the segments beside a node",
-    **{
-        (case, part, "silent"): STIFFENS
-        for case in ("resting-block", "two-beams", "wall-impact")
-        for part in ("midplane", "barrier")
-    },
+    ("wall-impact", "midplane", "silent"): STIFFENS,
+    **{("sliding-punch", part, "silent"): SLIPS for part in ("midplane", "barrier")},
+    **{("upsetting", part, "silent"): GIVES for part in ("midplane", "barrier")},
     **{("pulled-block", part, "failed"): UNHELD for part in ("midplane", "barrier")},
     ("ironing", "barrier", "not-judged"): MORE,
-    **{(case, "midplane", "not-judged"): MORE for case in ("disc-on-block", "lifted-beam")},
-    ("forging", "midplane", "not-judged"): f"{MORE}, within the 60 s that a run had here",
+    **{(case, "midplane", "not-judged"): MORE for case in ("disc-on-block", "lifted-beam", "receding-layer")},
+    **{(case, part, "not-judged"): SLOW for case, part in (("forging", "midplane"), ("forging", "barrier"))},
+    **{("rough-plate", part, "not-judged"): ROUGH for part in ("midplane", "barrier")},
     ("disc-on-block", "barrier", "not-judged"): MORE,
-    **{(case, "barrier", "failed"): NO_START for case in ("nafems-cgs1", "rough-plate", "tilted-punch")},
+    ("mesh-ratio", "barrier", "not-judged"): SLOW,
+    **{(case, "midplane", "failed"): NO_START for case in ("nafems-cgs1", "tilted-punch")},
+    **{
+        (case, "barrier", "failed"): NO_START
+        for case in ("hertz", "mesh-ratio", "nafems-cgs1", "patch", "tilted-punch")
+    },
     ("patch", f"{NITSCHE} theta=1", "silent"): BY_STEPS,
     **{("stiffness-contrast", name, "failed"): FINE_ON_SOFT for name in (*MORTARS, NITSCHE)},
     ("inclined-layers", NODES, "silent"): f"{ONE_PASS}: the same on a slope",

@@ -75,6 +75,25 @@ def test_quadratic_edges_have_their_own_functions(cells: tuple[int, int]) -> Non
     assert told(results) == pytest.approx(error(results), rel=0.5)
 
 
+@pytest.mark.parametrize("cells", [(1, 4), (3, 5), (4, 10)])
+def test_a_barrier_on_quadratic_edges_is_told_with_its_error(cells: tuple[int, int]) -> None:
+    """Its edges are two straight segments: their middle node has a half of the force, where a pressure gives 2/3.
+
+    Within 0.3: of the errors, 0.03 to 0.2, up to 0.01 is the clearance (`error` of q1, of which less is told).
+    """
+    results = pressed(cells, "barrier", "q2-lagrange")
+    assert told(results) == pytest.approx(error(results), rel=0.3)
+    assert told(pressed(cells, "barrier")) < 0.02
+
+
+@pytest.mark.parametrize("element", ["q1", "q2-lagrange"])
+def test_a_barrier_between_nodes_opposite_each_other_moves_none(element: str) -> None:
+    """Forces of both sides are off alike, and what is left is the clearance."""
+    results = pressed((4, 4), "barrier", element)
+    assert told(results) == 0.0
+    assert error(results) < 0.01
+
+
 @pytest.mark.parametrize(
     ("cells", "contact"), [((4, 4), "node-on-segment"), ((4, 8), "mortar-p1"), ((4, 7), "mortar-p0")]
 )

@@ -66,7 +66,7 @@ def judge(
             # on flat sides that do not match, distances of nodes are no error: their averages are zero
             sides = pair.slave, pair.master
             judged = not model.integrator.inertia and pair.start_distance is None
-            if not (model.integrator.inertia or pair.half or pair.by_energy or pair.method.passes_patch_test):
+            if not (model.integrator.inertia or pair.half or pair.method.passes_patch_test):
                 failing.append(pair)
             if judged and any(facet_depths(side, model.reference).any() for side in sides):
                 curved.append(pair)

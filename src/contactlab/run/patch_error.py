@@ -2,7 +2,8 @@
 
 The traction that has the work of the slave's forces, in the functions of its edges, also works on the motions of the
 master's edges, as in a mortar. In statics the equations at the end say how far bodies move by the difference from the
-forces that the algorithm gives the master.
+forces that the algorithm gives the master. Of a potential the traction is the pressure that is shown, force over
+length, and forces of both sides are compared with it: those of nodes on quadratic edges are not those of a pressure.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from scipy.sparse.linalg import splu
 
 from contactlab.api import Floats, Ints, RunWarning, Surface
 from contactlab.contact.pair import ContactPair
+from contactlab.contact.potential_pair import PotentialPair
 from contactlab.formulas.segment_kernels import trace
 from contactlab.implicit.factor import Factor, SingularSystem
 from contactlab.meshing.curves import nearest_segments
@@ -84,44 +86,50 @@ def _effects(model: ImplicitModel, pairs: list[ContactPair]) -> Iterator[tuple[C
         motion[equations.free], added[at[at >= 0]] = change[:n], change[n:][at >= 0]
         way = np.hypot(*motion.reshape(-1, 2).T)
         root = np.sqrt(np.where(pair.cover > 0.0, pair.cover, np.inf))
-        share = float(np.linalg.norm(added[pair.own] / root) / np.linalg.norm(force[pair.own] / root))
+        size = float(np.linalg.norm(force[pair.own] / root)) or np.inf
+        share = float(np.linalg.norm(added[pair.own] / root)) / size  # 0 of potentials, which have no conditions
         yield pair, Effect(int(way.argmax()), float(way.max()) / largest, share)
 
 
 def _wrong_forces(model: ImplicitModel, pair: ContactPair) -> Floats | None:
-    """Return the right forces on the master minus those of the algorithm (N, 2) [N]; None if they agree."""
+    """Return the right forces minus those of the algorithm (N, 2) [N]; None if they agree."""
     slave, master = pair.slave, pair.master
     given, wrong = _given_forces(model, pair), np.zeros_like(model.reference)
     if not given[slave.nodes].any():
         return None
-    mass, passed = _operators(model, pair, given[slave.nodes])
+    mass, passed, covered = _operators(model, pair, given[slave.nodes])
     ends = np.repeat(slave.lengths(model.position[slave.nodes]), 2)
     whole = np.bincount(slave.segments.ravel(), ends, len(slave.nodes)) / 3.0
     carries = np.flatnonzero(mass.diagonal() > COVERED * whole)
     if not len(carries):
         return None
-    try:
-        traction = splu(mass[carries][:, carries].tocsc()).solve(given[slave.nodes[carries]])
-    except RuntimeError:
-        return None  # too little of some node faces the master
-    right = -(passed[carries].T @ traction)
-    wrong[master.nodes] = _without_resultant(
-        right - given[master.nodes], np.hypot(*right.T), model.position[master.nodes]
-    )
+    sides = [(master.nodes, -passed[carries].T)]
+    if pair.by_energy:
+        traction = given[slave.nodes[carries]] / np.where(covered > 0.0, covered, np.inf)[carries, None]
+        sides.append((slave.nodes, mass[carries].T))
+    else:
+        try:
+            traction = splu(mass[carries][:, carries].tocsc()).solve(given[slave.nodes[carries]])
+        except RuntimeError:
+            return None  # too little of some node faces the master
+    for nodes, integrals in sides:
+        right = integrals @ traction
+        wrong[nodes] = _without_resultant(right - given[nodes], np.hypot(*right.T), model.position[nodes])
     wrong.ravel()[model.prescribed.dof] = 0.0
     return wrong if np.abs(wrong).sum() > MATCH * np.abs(given[master.nodes]).sum() else None
 
 
-def _operators(model: ImplicitModel, pair: ContactPair, nodal: Floats) -> tuple[Any, Any]:
+def _operators(model: ImplicitModel, pair: ContactPair, nodal: Floats) -> tuple[Any, Any, Floats]:
     """Integrals [mm] of products of the slave's functions, and with the master's (CSR), where both sides face.
 
+    Then the length [mm] of each slave node (m,) there, half of each of its segments.
     nodal  (m, 2) [N] forces on the slave: segments without any are left out
     """
     slave, master, place = pair.slave, pair.master, model.position[pair.slave.nodes]
     length = slave.lengths(place)
     shortest = float(master.lengths(model.position[master.nodes]).min())
     pressed = np.asarray(nodal[slave.edges].any(axis=(1, 2)))[slave.segment_edge[:, 0]]
-    found = list[tuple[tuple[Ints, Floats], tuple[Ints, Floats], Floats]]()
+    found, covered = list[tuple[tuple[Ints, Floats], tuple[Ints, Floats], Floats]](), np.zeros(len(slave.nodes))
     for segment in np.flatnonzero(pressed).tolist():
         count = POINTS * ceil(length[segment] / min(shortest, length[segment]))
         along = (np.arange(count) + 0.5) / count
@@ -132,6 +140,8 @@ def _operators(model: ImplicitModel, pair: ContactPair, nodal: Floats) -> tuple[
         own = _trace(slave, np.full(count, segment, np.int32)[faces], along[faces])
         other = _trace(master, nearest[faces], np.clip(share[faces], 0.0, 1.0))
         found.append((own, other, np.full(len(own[0]), length[segment] / count)))
+        far = along[faces].sum() / count
+        covered[slave.segments[segment]] += length[segment] * np.array([faces.mean() - far, far])
     one, two = (
         (np.concatenate([part[side][0] for part in found]), np.concatenate([part[side][1] for part in found]))
         for side in (0, 1)
@@ -140,6 +150,7 @@ def _operators(model: ImplicitModel, pair: ContactPair, nodal: Floats) -> tuple[
     return (
         _products(one, one, weight, (len(slave.nodes), len(slave.nodes))),
         _products(one, two, weight, (len(slave.nodes), len(master.nodes))),
+        covered,
     )
 
 
@@ -167,6 +178,10 @@ def _without_resultant(force: Floats, weight: Floats, place: Floats) -> Floats:
 def _given_forces(model: ImplicitModel, pair: ContactPair) -> Floats:
     """Nodal forces (N, 2) [N] of one pair on both sides."""
     assert model.contact is not None
+    if isinstance(pair, PotentialPair):
+        forces = np.zeros_like(model.reference)
+        pair.add_forces(forces, forces)
+        return forces
     conditions = model.contact.conditions
     own = np.arange(len(conditions.force[0]))[pair.own]
     pressed = own[conditions.present[own] & (conditions.force[0, own] > 0.0)].astype(np.int32)
