@@ -8,14 +8,10 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from contactlab.accuracy.configuration import Configuration
-from contactlab.accuracy.judged import ForcesJudged
+from contactlab.accuracy.judged import ForcesJudged, highest_at_an_end
 from contactlab.accuracy.remaining import Truth
 from contactlab.accuracy.trials import EQUAL, FINER, Place, Trials
 from contactlab.parts.registry import split_spec
-from contactlab.studies.profile import Profile
-
-EDGE = 0.05
-"""Part of a contact's length next to its ends in which the highest pressure is one below an edge."""
 
 
 @dataclass(frozen=True)
@@ -124,13 +120,6 @@ def _remedy(trials: Trials, truth: Truth) -> str:
     if truth.level >= FINER[-1]:
         return "cells are too large for it on the finest mesh that is tried: write smaller ones where it acts"
     return "a longer --search may help"
-
-
-def highest_at_an_end(pressure: Profile) -> bool:
-    """Return whether a pressure is highest where contact ends, as below a sharp edge."""
-    x = pressure.x[pressure.value > 0.0]
-    peak = pressure.x[pressure.value.argmax()]
-    return bool(min(peak - x[0], x[-1] - peak) <= EDGE * (x[-1] - x[0]))
 
 
 def _off_by_force(trials: Trials, place: Place) -> float:

@@ -16,6 +16,10 @@ from contactlab.studies.root_edges import with_root_edges
 
 COUNTS = 0.02
 """Norm of a contact's pressure over the largest of all contacts from which on it is judged."""
+EDGE = 0.05
+"""Part of a contact's length next to its ends in which the highest pressure is one below an edge."""
+SMOOTH, SINGULAR, BEST = 0.5, 0.2, 1.5
+"""Orders of convergence: of pressures that end as a square root at least, of those below a sharp edge, at most."""
 NOTHING = 1e-3
 """Force at the end over the largest mean in time below which it is none."""
 
@@ -122,6 +126,15 @@ def moves(scene: Scene, registry: Registry) -> bool:
     return bool(inertia) and scene.data["time"].get("end") != "auto"
 
 
+def highest_at_an_end(pressure: Profile) -> bool:
+    """Return whether a pressure is highest where a stretch of contact ends, as below a sharp edge."""
+    peak = int(pressure.value.argmax())
+    open_at = np.flatnonzero(np.r_[True, pressure.value <= 0.0, True]) - 1
+    after = int(np.searchsorted(open_at, peak))
+    x = pressure.x[open_at[after - 1] + 1 : open_at[after]]
+    return bool(min(pressure.x[peak] - x[0], x[-1] - pressure.x[peak]) <= EDGE * (x[-1] - x[0]))
+
+
 class PressuresJudged:
     """Compares pressures of runs."""
 
@@ -136,6 +149,11 @@ class PressuresJudged:
     def value(pressures: Pressures, forces: Floats) -> Pressures:
         """Return what is compared of a run; empty if it has none."""
         return pressures
+
+    @staticmethod
+    def orders(found: Pressures) -> Floats:
+        """Orders of convergence to try, from a run on a fine mesh: an edge of contact in its cell has 1 in L2."""
+        return _even(SINGULAR if any(map(highest_at_an_end, found.values())) else SMOOTH)
 
     @staticmethod
     def sharpened(found: Pressures) -> Pressures:
@@ -161,6 +179,11 @@ class ForcesJudged:
         return forces
 
     @staticmethod
+    def orders(found: Floats) -> Floats:
+        """Orders of convergence to try."""
+        return _even(SINGULAR)
+
+    @staticmethod
     def sharpened(found: Floats) -> Floats:
         """Return the forces."""
         return found
@@ -177,6 +200,10 @@ class ForcesJudged:
         if found.shape != other.shape or size == 0.0:
             return float("inf")
         return float(np.linalg.norm(found - other)) / size
+
+
+def _even(least: float) -> Floats:
+    return np.linspace(least, BEST, round((BEST - least) / 0.05) + 1)
 
 
 Judged = PressuresJudged | ForcesJudged

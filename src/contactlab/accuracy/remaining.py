@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from contactlab.accuracy.judged import Judged
-from contactlab.api.arrays import Floats
+from contactlab.api.arrays import Floats, Ints
 
-ORDERS = np.linspace(0.2, 1.5, 27)
-"""Orders of convergence that are tried: edges of contact bound them at the one end, singular ones at the other."""
+LATER = 0.1
+"""Relative misfit beyond which the coarsest of four levels or more is left out: convergence had not begun there."""
 MISFIT = 0.02
 """Relative misfit, root mean square, beyond that of the best order with which an order counts by a third less."""
 FLOOR = 0.1
@@ -58,8 +58,8 @@ class Truth:
     alone: bool = False
 
 
-def left_at(values: Mapping[int, Any], judged: Judged) -> tuple[Floats, Floats]:
-    """Relative errors left at the finest of two levels or more for each order q tried, and weights of these orders.
+def left_at(values: Mapping[int, Any], judged: Judged, orders: Floats) -> tuple[Floats, Floats]:
+    """Relative errors left at the finest of two levels or more for each of the orders q, and weights of these orders.
 
     The error at level n is taken as C n^-q, in part along one direction that all levels share (what Richardson's rule
     extrapolates) and in part along one of its own (where an edge of contact falls in its cell). Least squares over the
@@ -71,18 +71,26 @@ def left_at(values: Mapping[int, Any], judged: Judged) -> tuple[Floats, Floats]:
     """
     levels = sorted(values)
     fine: list[Any] = [judged.sharpened(values[level]) for level in levels]
+    squares = np.array([[judged.apart(one, other) for other in fine] for one in fine]) ** 2
+    left, misfit = _fitted(np.array(levels), squares, orders)
+    while len(levels) > 3 and misfit.min() > LATER**2:
+        levels, squares = levels[1:], squares[1:, 1:]
+        left, misfit = _fitted(np.array(levels), squares, orders)
+    weight = np.exp((misfit.min() - misfit) / (2.0 * MISFIT**2))
+    return left, weight / weight.sum()
+
+
+def _fitted(levels: Ints, squares: Floats, orders: Floats) -> tuple[Floats, Floats]:
+    """Errors left at the finest level and mean squares of relative misfits of distances, for each order."""
     i, j = np.triu_indices(len(levels), 1)
-    squares = np.array([judged.apart(fine[m], fine[n]) for m, n in zip(i, j, strict=True)]) ** 2
-    x = (np.array(levels) / levels[-1]) ** -ORDERS[:, None]
+    x = (levels / levels[-1]) ** -orders[:, None]
     size = x[:, i] ** 2 + x[:, j] ** 2
-    shared, own = (x[:, i] - x[:, j]) ** 2 / size, squares / size
+    shared, own = (x[:, i] - x[:, j]) ** 2 / size, squares[i, j] / size
     a, b = np.array([_line(*both) for both in zip(shared, own, strict=True)]).T
-    left = np.sqrt(a + b)
     floor = FLOOR * np.maximum(own.mean(axis=1), 1e-300)[:, None]
     found = a[:, None] * shared + b[:, None]
     misfit = np.mean((0.5 * np.log((found + floor) / (own + floor))) ** 2, axis=1)
-    weight = np.exp((misfit.min() - misfit) / (2.0 * MISFIT**2))
-    return left, weight / weight.sum()
+    return np.sqrt(a + b), misfit
 
 
 def _line(t: Floats, y: Floats) -> tuple[float, float]:
@@ -101,7 +109,9 @@ def ranked(ladders: Sequence[Ladder], judged: Judged, truth: Truth | None = None
 
     Two levels do not determine an order: they use the weights of orders of longer ladders.
     """
-    fits = {each.name: left_at(each.values, judged) for each in ladders if len(each.values) > 1}
+    finest = max(ladders, key=lambda each: each.finest, default=None)
+    orders = judged.orders(finest.values[finest.finest]) if finest else np.empty(0)
+    fits = {each.name: left_at(each.values, judged, orders) for each in ladders if len(each.values) > 1}
     longer = [fits[each.name][1] for each in ladders if len(each.values) > 2]
 
     def left(each: Ladder) -> float:
@@ -126,7 +136,8 @@ def beside(pairs: Sequence[tuple[float, Ladder]], most: int) -> list[tuple[float
 def truth_of(ladders: Sequence[Ladder], judged: Judged, climbers: int) -> Truth | None:
     """The mean of the best runs near the finest level, or of those alike exact: the better known; None without any.
 
-    One that is much less exact than the others adds more to their mean than it takes away.
+    One that is much less exact than the others adds more to their mean than it takes away. Beside a single one near the
+    finest level those alike exact on coarser meshes count, such as of quadratic elements.
     """
     known = ranked([each for each in ladders if len(each.values) > 1], judged)
     pairs = sorted(((judged.safety * left, ladder) for left, ladder in known), key=lambda pair: pair[0])
@@ -135,9 +146,9 @@ def truth_of(ladders: Sequence[Ladder], judged: Judged, climbers: int) -> Truth 
     best = beside(pairs, climbers)
     finest = max(ladder.finest for _, ladder in best)
     near = [pair for pair in best if pair[1].finest >= NEAR_FINEST * finest]
-    alike = [pair for pair in near if pair[0] <= ALIKE * near[0][0]]
-    means = [_mean(within, best, judged) for within in ([near, alike] if len(alike) < len(near) else [near])]
-    return min((Truth(*mean, finest, len(near) == 1) for mean in means), key=lambda truth: truth.uncertainty)
+    alike = [pair for pair in (near if len(near) > 1 else best) if pair[0] <= ALIKE * near[0][0]]
+    means = [(*_mean(within, best, judged), finest, len(near) == len(within) == 1) for within in (near, alike)]
+    return min((Truth(*mean) for mean in means), key=lambda truth: truth.uncertainty)
 
 
 def _mean(

@@ -12,7 +12,6 @@ import pytest
 from tiers import some
 
 from contactlab.accuracy import judged as judging
-from contactlab.accuracy.answer import highest_at_an_end
 from contactlab.accuracy.choose import LEVELS, Chosen, Wish, choose_plan
 from contactlab.accuracy.configuration import (
     Configuration,
@@ -22,7 +21,7 @@ from contactlab.accuracy.configuration import (
     integrators_for,
     possible,
 )
-from contactlab.accuracy.judged import Judge, PressuresJudged, line_of, mean_profile
+from contactlab.accuracy.judged import Judge, PressuresJudged, highest_at_an_end, line_of, mean_profile
 from contactlab.accuracy.remaining import Ladder, Truth, left_at, truth_of
 from contactlab.accuracy.trials import Trial, Trials
 from contactlab.api import ContactCurve, Job, Record
@@ -186,7 +185,7 @@ def test_where_no_mesh_settles_the_pressure_forces_choose() -> None:
     found = chosen(singular, 0.02, search=100.0)
     assert found.verdict == "cannot"
     assert found.uncertainty > 0.02
-    assert found.level == 1
+    assert found.level <= 2  # the finest is 4
     assert "forces" in found.why
     assert "--search" in found.why
     assert "edge" not in found.why
@@ -196,8 +195,12 @@ def test_where_no_mesh_settles_the_pressure_forces_choose() -> None:
 def test_a_pressure_that_is_highest_where_contact_ends_is_one_of_an_edge() -> None:
     x = np.linspace(-1.0, 1.0, 101)
     edge = (1.0001 - x**2) ** -0.5
-    for values, at_end in ((edge, True), (np.where(abs(x) < 0.5, edge, 0.0), True), (1.0 - x**2, False)):
-        assert highest_at_an_end(Profile(x, values)) is at_end
+    inner = np.where(abs(x) > 0.5, np.maximum(abs(x) - 0.4999, 1e-4) ** -0.5, 0.0)  # of two stretches
+    apart = np.maximum((abs(x) - 0.1) * (0.9 - abs(x)), 0.0)
+    for values in (edge, np.where(abs(x) < 0.5, edge, 0.0), inner):
+        assert highest_at_an_end(Profile(x, values))
+    for values in (1.0 - x**2, apart):
+        assert not highest_at_an_end(Profile(x, values))
 
     def singular(run: Run) -> Record:
         return record(lambda x: (1.0001 - x**2) ** -0.5 * (1.0 + 0.5 * run.scene.level**-0.2), 0.3 * run.scene.level**2)
@@ -428,13 +431,37 @@ def test_lines_follow_flat_upright_and_closed_contacts() -> None:
     assert line_of(curve(t, t, 0.0 * t)) is None
 
 
+def error_left(values: dict[int, Any], judged: PressuresJudged) -> float:
+    """The error left at the finest level, the mean over the orders."""
+    return float(np.dot(*left_at(values, judged, judged.orders(values[max(values)]))))
+
+
+def test_levels_before_convergence_begins_are_left_out() -> None:
+    """A peak twice as high on two coarse meshes, which is gone from the third one on."""
+    x = np.linspace(-1.0, 1.0, 101)
+    judged = PressuresJudged(Judge())
+    coarse = {n: {0: Profile(x, EXACT(x) + np.exp(-100.0 * (x - 0.1 * n) ** 2))} for n in (1, 2)}
+    fine = {n: {0: Profile(x, (1.0 + 0.1 / n) * EXACT(x))} for n in (4, 8, 16)}
+    assert error_left(coarse | fine, judged) == pytest.approx(0.1 / 16.0, rel=0.1)
+    assert error_left(fine, judged) == error_left(coarse | fine, judged)
+
+
+def test_low_orders_are_those_of_sharp_edges() -> None:
+    x = np.linspace(-1.0, 1.0, 101)
+    judged = PressuresJudged(Judge())
+    below_an_edge = Profile(x, np.minimum((1.0 - x**2 + 1e-3) ** -0.5, 10.0))
+    assert judged.orders({0: Profile(x, EXACT(x))}).min() == 0.5
+    assert judged.orders({0: below_an_edge}).min() == 0.2
+    assert judged.orders({0: Profile(x, EXACT(x)), 1: below_an_edge}).min() == 0.2
+
+
 @pytest.mark.parametrize("order", [0.5, 0.75, 1.0, 1.5])
 def test_what_is_left_is_bounded_by_tried_orders(order: float) -> None:
     x = np.linspace(-1.0, 1.0, 101)
     judged = PressuresJudged(Judge())
     values = {n: {0: Profile(x, (1.0 + 0.1 * n**-order) * EXACT(x))} for n in (1, 2, 4)}
-    left, two = (float(np.dot(*left_at({n: values[n] for n in levels}, judged))) for levels in ((1, 2, 4), (2, 4)))
-    assert left == pytest.approx(0.1 * 4**-order, rel=0.1)  # the norm differs by the error itself
+    left, two = (error_left({n: values[n] for n in levels}, judged) for levels in ((1, 2, 4), (2, 4)))
+    assert left == pytest.approx(0.1 * 4**-order, rel=0.15)  # the norm differs by the error itself; 0.5 is the lowest
     assert two >= left * 0.5
 
 
@@ -444,7 +471,7 @@ def test_pressures_that_do_not_settle_are_known_badly() -> None:
     judged = PressuresJudged(Judge())
 
     def ladder(name: str, levels: tuple[int, ...]) -> Ladder:
-        values = {n: {0: Profile(x, (1.0 + 0.004 * np.log2(n)) * EXACT(x))} for n in levels}
+        values = {n: {0: Profile(x, (1.0 + 0.004 * np.log2(n)) * (1.0001 - x**2) ** -0.5)} for n in levels}
         return Ladder(name, (name,), values, 1.0)
 
     alike = [ladder("a", (1, 2, 4, 8)), ladder("b", (1, 2, 4, 8)), ladder("c", (1, 2))]
