@@ -19,7 +19,7 @@ COUNTS = 0.02
 EDGE = 0.05
 """Part of a contact's length next to its ends in which the highest pressure is one below an edge."""
 SMOOTH, SINGULAR, BEST = 0.5, 0.2, 1.5
-"""Orders of convergence: of pressures that end as a square root at least, of those below a sharp edge, at most."""
+"""Orders of convergence: the least of pressures that end as a square root and of those below a sharp edge; the best."""
 NOTHING = 1e-3
 """Force at the end over the largest mean in time below which it is none."""
 

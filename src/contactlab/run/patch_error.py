@@ -61,8 +61,8 @@ def patch_errors(model: ImplicitModel, pairs: list[ContactPair]) -> Iterator[Run
         if told:
             yield RunWarning(
                 "patch-test", float(f"{value:.4g}"), limit, f"{pair.name}.algorithm",
-                f"{pair.name}: the algorithm fails the patch test: its forces reach other nodes of the master than a "
-                f"pressure does, which changes {' and '.join(told)}; take an algorithm that passes it, such as a "
+                f"{pair.name}: the algorithm fails the patch test: its nodal forces are not those of a pressure, "
+                f"which changes {' and '.join(told)}; take an algorithm that passes it, such as a "
                 "mortar, or put the nodes of both sides opposite each other",
             )  # fmt: skip
 
