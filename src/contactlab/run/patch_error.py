@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import ceil
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -18,7 +18,6 @@ from scipy.sparse.linalg import splu
 
 from contactlab.api import Floats, Ints, RunWarning, Surface
 from contactlab.contact.pair import ContactPair
-from contactlab.contact.potential_pair import PotentialPair
 from contactlab.formulas.segment_kernels import trace
 from contactlab.implicit.factor import Factor, SingularSystem
 from contactlab.meshing.curves import nearest_segments
@@ -178,9 +177,9 @@ def _without_resultant(force: Floats, weight: Floats, place: Floats) -> Floats:
 def _given_forces(model: ImplicitModel, pair: ContactPair) -> Floats:
     """Nodal forces (N, 2) [N] of one pair on both sides."""
     assert model.contact is not None
-    if isinstance(pair, PotentialPair):
-        forces = np.zeros_like(model.reference)
-        pair.add_forces(forces, forces)
+    if pair.by_energy:
+        forces, potential = np.zeros_like(model.reference), cast("Any", pair)  # a class that other scenes do not import
+        potential.add_forces(forces, forces)
         return forces
     conditions = model.contact.conditions
     own = np.arange(len(conditions.force[0]))[pair.own]
