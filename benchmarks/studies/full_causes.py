@@ -31,6 +31,7 @@ FREE_NODES = (
 NODE_BY_NODE = "contact opens node by node, one or two per iteration: more than the work limit allows on this mesh"
 
 MORTARS = ("mortar-p0", "mortar-p1", "mortar-dual")
+POTENTIALS = ("midplane", "barrier")
 LAW, NITSCHE = "gauss-point passes=2 + linear-pressure", "mortar-p1 + nitsche"
 GIVES = "surfaces overlap, or stay apart, by what the potential needs; below 2 % of the work no run warns"
 BY_LAW = "the law asks for an overlap that the exact answer has not, and what a scene asks for is not warned of"
@@ -80,18 +81,16 @@ CAUSES: dict[tuple[str, str, str], str] = {
     ("rough-plate", "gauss-point", "not-judged"): ROUGH,
     ("disc-in-ring", "gauss-point", "silent"): TURNS,
     ("forging", "gauss-point", "failed"): NOT_EXAMINED,
-    ("bars-with-gap", "barrier", "silent"): GIVES,
-    ("bars-with-gap", "midplane", "silent"): GIVES,
+    **{(case, part, "silent"): GIVES for case in ("bars-with-gap", "upsetting") for part in POTENTIALS},
     ("patch", "barrier", "silent"): GIVES,
     ("rigid-punch", "barrier", "silent"): "a clearance, and pressures spread over the segments beside a node",
     ("wall-impact", "midplane", "silent"): STIFFENS,
-    **{("sliding-punch", part, "silent"): SLIPS for part in ("midplane", "barrier")},
-    **{("upsetting", part, "silent"): GIVES for part in ("midplane", "barrier")},
-    **{("pulled-block", part, "failed"): UNHELD for part in ("midplane", "barrier")},
+    **{("sliding-punch", part, "silent"): SLIPS for part in POTENTIALS},
+    **{("pulled-block", part, "failed"): UNHELD for part in POTENTIALS},
     ("ironing", "barrier", "not-judged"): MORE,
     **{(case, "midplane", "not-judged"): MORE for case in ("disc-on-block", "lifted-beam", "receding-layer")},
-    **{(case, part, "not-judged"): SLOW for case, part in (("forging", "midplane"), ("forging", "barrier"))},
-    **{("rough-plate", part, "not-judged"): ROUGH for part in ("midplane", "barrier")},
+    **{("forging", part, "not-judged"): SLOW for part in POTENTIALS},
+    **{("rough-plate", part, "not-judged"): ROUGH for part in POTENTIALS},
     ("disc-on-block", "barrier", "not-judged"): MORE,
     ("mesh-ratio", "barrier", "not-judged"): SLOW,
     **{(case, "midplane", "failed"): NO_START for case in ("nafems-cgs1", "tilted-punch")},

@@ -12,7 +12,7 @@ from contactlab.jobs.mean_forces import MEANS
 from contactlab.parts.registry import Registry
 from contactlab.scene.scene import Scene
 from contactlab.studies.profile import FoldedSurfaceError, Profile, Window, bearing, distance, norm
-from contactlab.studies.root_edges import with_root_edges
+from contactlab.studies.root_edges import stretches, with_root_edges
 
 COUNTS = 0.02
 """Norm of a contact's pressure over the largest of all contacts from which on it is judged."""
@@ -129,10 +129,9 @@ def moves(scene: Scene, registry: Registry) -> bool:
 def highest_at_an_end(pressure: Profile) -> bool:
     """Return whether a pressure is highest where a stretch of contact ends, as below a sharp edge."""
     peak = int(pressure.value.argmax())
-    open_at = np.flatnonzero(np.r_[True, pressure.value <= 0.0, True]) - 1
-    after = int(np.searchsorted(open_at, peak))
-    x = pressure.x[open_at[after - 1] + 1 : open_at[after]]
-    return bool(min(pressure.x[peak] - x[0], x[-1] - pressure.x[peak]) <= EDGE * (x[-1] - x[0]))
+    first, last = next((ends for ends in stretches(pressure.value) if ends[0] <= peak <= ends[1]), (peak, peak))
+    begin, place, end = pressure.x[[first, peak, last]]
+    return bool(min(place - begin, end - place) <= EDGE * (end - begin))
 
 
 class PressuresJudged:
@@ -152,7 +151,7 @@ class PressuresJudged:
 
     @staticmethod
     def orders(found: Pressures) -> Floats:
-        """Orders of convergence to try, from a run on a fine mesh: an edge of contact in its cell has 1 in L2."""
+        """Orders of convergence to try, from a run on a fine mesh; an edge of contact within a cell gives 1 in L2."""
         return _even(SINGULAR if any(map(highest_at_an_end, found.values())) else SMOOTH)
 
     @staticmethod

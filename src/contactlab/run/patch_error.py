@@ -2,8 +2,8 @@
 
 The traction that has the work of the slave's forces, in the functions of its edges, also works on the motions of the
 master's edges, as in a mortar. In statics the equations at the end say how far bodies move by the difference from the
-forces that the algorithm gives the master. Of a potential the traction is the pressure that is shown, force over
-length, and forces of both sides are compared with it: those of nodes on quadratic edges are not those of a pressure.
+forces that the algorithm gives the master. For a potential the traction is force over length, and the forces of both
+sides are compared with its consistent nodal forces: on quadratic edges they differ.
 """
 
 from __future__ import annotations
@@ -60,8 +60,8 @@ def patch_errors(model: ImplicitModel, pairs: list[ContactPair]) -> Iterator[Run
         if told:
             yield RunWarning(
                 "patch-test", float(f"{value:.4g}"), limit, f"{pair.name}.algorithm",
-                f"{pair.name}: the algorithm fails the patch test: its nodal forces are not those of a pressure, "
-                f"which changes {' and '.join(told)}; take an algorithm that passes it, such as a "
+                f"{pair.name}: the algorithm fails the patch test: its nodal forces are not consistent with a "
+                f"pressure, which changes {' and '.join(told)}; take an algorithm that passes it, such as a "
                 "mortar, or put the nodes of both sides opposite each other",
             )  # fmt: skip
 
@@ -91,7 +91,7 @@ def _effects(model: ImplicitModel, pairs: list[ContactPair]) -> Iterator[tuple[C
 
 
 def _wrong_forces(model: ImplicitModel, pair: ContactPair) -> Floats | None:
-    """Return the right forces minus those of the algorithm (N, 2) [N]; None if they agree."""
+    """Return consistent forces of the traction minus forces of the algorithm (N, 2) [N]; None if they agree."""
     slave, master = pair.slave, pair.master
     given, wrong = _given_forces(model, pair), np.zeros_like(model.reference)
     if not given[slave.nodes].any():
@@ -121,7 +121,7 @@ def _wrong_forces(model: ImplicitModel, pair: ContactPair) -> Floats | None:
 def _operators(model: ImplicitModel, pair: ContactPair, nodal: Floats) -> tuple[Any, Any, Floats]:
     """Integrals [mm] of products of the slave's functions, and with the master's (CSR), where both sides face.
 
-    Then the length [mm] of each slave node (m,) there, half of each of its segments.
+    The third array has the length [mm] of each slave node (m,) there, half of each of its segments.
     nodal  (m, 2) [N] forces on the slave: segments without any are left out
     """
     slave, master, place = pair.slave, pair.master, model.position[pair.slave.nodes]

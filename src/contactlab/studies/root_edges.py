@@ -35,7 +35,7 @@ def _right_edges(profile: Profile) -> Profile:
     x, p = profile.x, profile.value
     found: list[tuple[Floats, Floats]] = []
     begun = 0  # nodes before this one are done
-    contacts = _contacts(p)
+    contacts = stretches(p)
     for number, (first, last) in enumerate(contacts):
         after = len(x)
         if number + 1 < len(contacts):
@@ -49,8 +49,8 @@ def _right_edges(profile: Profile) -> Profile:
     return Profile(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
 
 
-def _contacts(p: Floats) -> list[tuple[int, int]]:
-    """First and last node of each part whose pressure is not small against the largest."""
+def stretches(p: Floats) -> list[tuple[int, int]]:
+    """First and last node of each stretch of contact whose pressure is not small against the largest."""
     if len(p) == 0:
         return []
     steps = np.flatnonzero(np.diff(np.r_[0, (p > 0.0) & bearing(p), 0]))

@@ -185,7 +185,7 @@ def test_where_no_mesh_settles_the_pressure_forces_choose() -> None:
     found = chosen(singular, 0.02, search=100.0)
     assert found.verdict == "cannot"
     assert found.uncertainty > 0.02
-    assert found.level <= 2  # the finest is 4
+    assert found.level == 2  # the finest is 4
     assert "forces" in found.why
     assert "--search" in found.why
     assert "edge" not in found.why
@@ -461,7 +461,8 @@ def test_what_is_left_is_bounded_by_tried_orders(order: float) -> None:
     judged = PressuresJudged(Judge())
     values = {n: {0: Profile(x, (1.0 + 0.1 * n**-order) * EXACT(x))} for n in (1, 2, 4)}
     left, two = (error_left({n: values[n] for n in levels}, judged) for levels in ((1, 2, 4), (2, 4)))
-    assert left == pytest.approx(0.1 * 4**-order, rel=0.15)  # the norm differs by the error itself; 0.5 is the lowest
+    # the norm differs by the error itself; beside 0.5, the lowest, only higher orders have a weight
+    assert left == pytest.approx(0.1 * 4**-order, rel=0.15 if order == 0.5 else 0.1)
     assert two >= left * 0.5
 
 
